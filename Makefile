@@ -1,0 +1,34 @@
+# Two commands for a fresh machine: `make demo` and `make test`; each does its own set-up.
+PYTHON ?= python3
+VENV   := .venv
+BIN    := $(VENV)/bin
+UV     := .uv/bin/uv
+STAMP  := $(VENV)/.installed
+
+.PHONY: demo test lint benchmark clean
+.DELETE_ON_ERROR:
+
+# uv is a fast installer from the ordinary package registry; it lives in a folder of its own.
+$(UV):
+	$(PYTHON) -c 'import sys; sys.exit("Python 3.11 or newer is needed (set PYTHON=...)" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv .uv
+	.uv/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt uv
+
+$(STAMP): $(UV) pyproject.toml constraints.txt
+	$(UV) venv --quiet --allow-existing --python $(PYTHON) $(VENV)
+	$(UV) pip install --quiet --python $(BIN)/python --constraint constraints.txt --editable '.[train,sim,dev]'
+	touch $@
+
+demo: $(STAMP)
+	$(BIN)/horizon-dl demo --out demo
+
+lint: $(STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+test: lint
+	$(BIN)/pytest -q
+
+clean:
+	rm -rf $(VENV) .uv demo

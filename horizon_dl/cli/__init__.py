@@ -1,0 +1,105 @@
+"""The command line: `horizon-dl VERB ...`, one module a verb.
+
+Verb modules import only light things at their top: `--help` has to answer at once.
+"""
+
+import argparse
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib import import_module
+
+from horizon_dl import __version__
+from horizon_dl.errors import InputError
+
+VERBS = {
+    "demo": "the whole story on the embedded data set",
+    "data": "public data sets, and the simulated arena",
+    "check-data": "whether a data set can work, and why not",
+    "train": "train the net on a data set",
+    "compare": "the net against the forest and training-free baselines",
+    "evaluate": "a trained net against truth",
+    "predict": "panels and arrays from a trained net",
+    "config": "show or copy the commented built-in configs",
+}
+EXTRA_OF = {"mujoco": "sim"}
+OURS = "horizon_dl"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line; returns the exit code: 0 done, 1 failed, 2 wrong use or bad input."""
+    parsed = parse(sys.argv[1:] if arguments is None else arguments)
+    try:
+        parsed.run(parsed)
+    except InputError as error:
+        return _say(2, str(error))
+    except ModuleNotFoundError as error:
+        missing = (error.name or "").partition(".")[0]
+        if missing == OURS:
+            raise
+        extra = EXTRA_OF.get(missing, "train")
+        return _say(2, f"{parsed.verb}: needs {missing}; pip install 'horizon-dl[{extra}]'")
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except KeyboardInterrupt:
+        return _say(1, "stopped; nothing half-written is left")
+    except Exception as error:
+        if os.environ.get("HORIZON_DL_TRACEBACK"):
+            traceback.print_exc()
+        first_line = str(error).strip().partition("\n")[0]
+        return _say(
+            1,
+            f"{parsed.verb} failed: {type(error).__name__}: {first_line}; set HORIZON_DL_TRACEBACK=1 for where",
+        )
+    return 0
+
+
+def parse(arguments: Sequence[str]) -> argparse.Namespace:
+    """Parse; dotted options (`--train.steps 100`) are collected in `overrides` where the verb has a config."""
+    parser = argparse.ArgumentParser(
+        prog="horizon-dl", description="Obstacles from what lies above and below the horizon."
+    )
+    parser.add_argument("--version", action="version", version=f"horizon-dl {__version__}")
+    verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
+    for verb, summary in VERBS.items():
+        module = import_module(f"{OURS}.cli.{verb.replace('-', '_')}")
+        child = verbs.add_parser(
+            verb,
+            help=summary,
+            description=module.__doc__,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        module.add_arguments(child)
+        child.set_defaults(run=module.run)
+    plain, overrides = split_overrides(arguments)
+    parsed = parser.parse_args(plain)
+    if overrides and not hasattr(parsed, "config"):
+        parser.error(f"{parsed.verb} takes no config values: --{overrides[0]}")
+    parsed.overrides = overrides
+    return parsed
+
+
+def split_overrides(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Separate `--a.b value` and `--a.b=value` from the plain arguments.
+
+    Example:
+        >>> split_overrides(["train", "DATA", "--train.steps", "10", "--model.dropout=0.1"])
+        (['train', 'DATA'], ['train.steps=10', 'model.dropout=0.1'])
+    """
+    plain: list[str] = []
+    overrides: list[str] = []
+    rest = iter(arguments)
+    for argument in rest:
+        name, equals, value = argument.partition("=")
+        if name.startswith("--") and "." in name:
+            overrides.append(f"{name[2:]}={value if equals else next(rest, '')}")
+        else:
+            plain.append(argument)
+    return plain, overrides
+
+
+def _say(code: int, line: str) -> int:
+    print(f"horizon-dl: {line}", file=sys.stderr)
+    return code

@@ -1,0 +1,36 @@
+"""Whether a data set can work, and why not.
+
+  horizon-dl check-data DATA
+  horizon-dl check-data DATA --out DIR      also writes check.json, horizon overlays and index.html
+"""
+
+import argparse
+from pathlib import Path
+
+from horizon_dl.cli.options import add_config, add_data, open_data, resolve_config
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the verb."""
+    add_data(parser)
+    add_config(parser)
+    parser.add_argument("--out", type=Path, metavar="DIR", help="where to write overlays and the report")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Check, print the findings, and write the pictures where asked for."""
+    recording = open_data(arguments)
+    config = resolve_config(arguments)
+
+    from horizon_dl.evaluation.data_check import check_recording
+    from horizon_dl.output import output_folder
+    from horizon_dl.reporting.check import check_lines, write_check
+
+    check = check_recording(
+        recording, band_rad=config.labels.band_rad, max_pixels=config.image.max_pixels, progress=True
+    )
+    print("\n".join(check_lines(check)))
+    if arguments.out:
+        with output_folder(arguments.out) as folder:
+            write_check(check, folder)
+        print(f"wrote {arguments.out / 'index.html'}")

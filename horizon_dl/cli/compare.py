@@ -1,0 +1,58 @@
+"""The net against the forest and training-free baselines, on the same frames.
+
+  horizon-dl compare DATA --out DIR
+  horizon-dl compare DATA --out DIR --protocol tail --seeds 1
+
+DIR then holds metrics.json, report.html, roc.svg and panels/. Truth (labels/) is used for scoring alone.
+"""
+
+import argparse
+
+from horizon_dl.cli.options import (
+    add_config,
+    add_data,
+    add_out,
+    open_data,
+    positive_int,
+    resolve_config,
+    say_skipped,
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the verb."""
+    add_data(parser)
+    add_config(parser)
+    add_out(parser)
+    parser.add_argument(
+        "--protocol",
+        choices=("tail", "labelled-out", "prequential"),
+        default="labelled-out",
+        help="which frames are learned from and which scored (default: labelled-out)",
+    )
+    parser.add_argument(
+        "--seeds", type=positive_int, default=3, metavar="N", help="runs of each learner (default: 3)"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Compare, write the figures, and print their table."""
+    recording = open_data(arguments)
+    config = resolve_config(arguments)
+
+    from horizon_dl.config import save_config
+    from horizon_dl.evaluation.compare import compare, split_recording
+    from horizon_dl.output import output_folder
+    from horizon_dl.reporting.comparison import PanelWriter, write_comparison
+    from horizon_dl.reporting.table import metrics_table
+
+    split = split_recording(recording, arguments.protocol)
+    seeds = list(range(config.seed, config.seed + arguments.seeds))
+    with output_folder(arguments.out) as folder:
+        panels = PanelWriter(folder, len(split.test))
+        result = compare(recording, config, arguments.protocol, seeds, on_frame=panels, progress=True)
+        save_config(config, folder / "config.yaml")
+        write_comparison(folder, f"{recording.name}, {arguments.protocol}", result, panels, config)
+    print(metrics_table(result.metrics))
+    say_skipped(result.skipped)
+    print(f"wrote {arguments.out / 'metrics.json'} and {arguments.out / 'report.html'}")

@@ -1,0 +1,57 @@
+"""Public data sets, and the simulated arena.
+
+horizon-dl data list                      what can be fetched
+horizon-dl data fetch NAME --out DIR      from its official host, checked by hash
+horizon-dl data simulate --out DIR        a new flight through the simulated arena (needs the extra 'sim')
+"""
+
+import argparse
+from pathlib import Path
+
+from horizon_dl.cli.options import positive_int
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the verb."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    actions.add_parser("list", help="what can be fetched")
+    fetch = actions.add_parser("fetch", help="download a public set")
+    fetch.add_argument("name", metavar="NAME")
+    fetch.add_argument("--out", type=Path, metavar="DIR", help="where to write (default: NAME)")
+    simulate = actions.add_parser("simulate", help="render a simulated arena flight")
+    simulate.add_argument(
+        "--out", type=Path, default=Path("simulated"), metavar="DIR", help="(default: simulated)"
+    )
+    simulate.add_argument("--frames", type=positive_int, default=160, metavar="N", help="(default: 160)")
+    simulate.add_argument(
+        "--seed", type=int, default=0, metavar="N", help="another arena and flight (default: 0)"
+    )
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """List, fetch or simulate."""
+    _ACTIONS[arguments.action](arguments)
+
+
+def _list(_: argparse.Namespace) -> None:
+    from horizon_dl.datasets.registry import list_sets
+
+    for entry in list_sets():
+        print(f"{entry.name:28} {entry.description}")
+
+
+def _fetch(arguments: argparse.Namespace) -> None:
+    from horizon_dl.datasets.fetch import fetch
+
+    folder = fetch(arguments.name, arguments.out or Path(arguments.name))
+    print(f"wrote {folder}; next: horizon-dl check-data {folder}")
+
+
+def _simulate(arguments: argparse.Namespace) -> None:
+    from horizon_dl.simulation.simulate import simulate
+
+    simulate(arguments.out, frames=arguments.frames, seed=arguments.seed, progress=True)
+    print(f"wrote {arguments.frames} frames to {arguments.out}; next: horizon-dl check-data {arguments.out}")
+
+
+_ACTIONS = {"list": _list, "fetch": _fetch, "simulate": _simulate}

@@ -1,0 +1,184 @@
+"""The configuration: one tree of checked values, read from a commented YAML file."""
+
+from collections.abc import Sequence
+from math import radians
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from horizon_dl.errors import InputError
+
+Share = Annotated[float, Field(ge=0.0, lt=1.0)]
+Positive = Annotated[float, Field(gt=0.0)]
+Count = Annotated[int, Field(ge=1)]
+
+
+class Section(BaseModel):
+    """A part of the configuration; an unknown key is an error, not a silent typo."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ImageConfig(Section):
+    """At which size everything is computed."""
+
+    max_pixels: Annotated[int, Field(ge=1024)] = 110_000
+
+
+class LabelConfig(Section):
+    """The horizon label."""
+
+    band_deg: Annotated[float, Field(ge=0.0, le=45.0)] = 1.0
+
+    @property
+    def band_rad(self) -> float:
+        """Half the height of the ignored band, rad."""
+        return radians(self.band_deg)
+
+
+class TargetConfig(Section):
+    """What the net is trained on."""
+
+    kind: Literal["hard", "guided", "geodesic"] = "geodesic"
+
+
+class ModelConfig(Section):
+    """The net and its dropout."""
+
+    kind: Literal["fcn", "mobilenet_v3_small", "resnet18"] = "fcn"
+    channels: Count = 32
+    dropout: Share = 0.3
+    samples: Count = 16
+
+
+class TrainConfig(Section):
+    """Training with the Lightning trainer."""
+
+    steps: Count = 400
+    batch: Count = 16
+    crop: Annotated[int, Field(ge=32)] = 96
+    learning_rate: Positive = 0.003
+    weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
+    memory_mb: Count = 1024
+
+
+class OnlineConfig(Section):
+    """Learning from a stream, one pass."""
+
+    steps_per_frame: Count = 4
+    batch: Count = 8
+    learning_rate: Positive = 0.003
+    memory_mb: Count = 64
+
+
+class ForestConfig(Section):
+    """The paper's random forest."""
+
+    trees: Count = 20
+    min_samples_leaf: Count = 10
+    training_pixels: Count = 400_000
+
+
+class ThresholdConfig(Section):
+    """How the obstacle map's threshold is chosen; never from obstacle labels."""
+
+    percentile: Annotated[float, Field(gt=0.0, lt=100.0)] = 25.0
+
+
+class Config(Section):
+    """The whole configuration."""
+
+    seed: Annotated[int, Field(ge=0)] = 0
+    image: ImageConfig = ImageConfig()
+    labels: LabelConfig = LabelConfig()
+    target: TargetConfig = TargetConfig()
+    model: ModelConfig = ModelConfig()
+    train: TrainConfig = TrainConfig()
+    online: OnlineConfig = OnlineConfig()
+    forest: ForestConfig = ForestConfig()
+    threshold: ThresholdConfig = ThresholdConfig()
+
+
+def config_folder() -> Path:
+    """Folder of the built-in configs: inside an installed package, or at the top of a checkout."""
+    installed = Path(__file__).parent / "configs"
+    return installed if installed.is_dir() else Path(__file__).parent.parent / "configs"
+
+
+def builtin_configs() -> list[str]:
+    """Names of the built-in configs."""
+    return sorted(path.stem for path in config_folder().glob("*.yaml"))
+
+
+def builtin_config(name: str) -> Path:
+    """Path of a built-in config; InputError for an unknown name."""
+    path = config_folder() / f"{name}.yaml"
+    if name not in builtin_configs():
+        raise InputError(name, "is no built-in config", f"take one of {', '.join(builtin_configs())}")
+    return path
+
+
+def load_config(source: str | Path | None = None, overrides: Sequence[str] = ()) -> Config:
+    """Read a config and put dotted overrides on top.
+
+    Args:
+        source: a YAML file, the name of a built-in config, or None for `default`.
+        overrides: `section.key=value` each, the value in YAML.
+
+    Raises:
+        InputError: the file cannot be read, or a key or value is wrong.
+    """
+    where = str(source or "default")
+    path = Path(where) if Path(where).suffix in {".yaml", ".yml"} else builtin_config(where)
+    tree = _read_yaml(path)
+    for override in overrides:
+        _put(tree, override)
+    try:
+        return Config.model_validate(tree)
+    except ValidationError as error:
+        raise InputError(where, _first_problem(error), "`horizon-dl config show` lists all keys") from None
+
+
+def save_config(config: Config, path: Path) -> None:
+    """Write the resolved values as YAML."""
+    path.write_text(yaml.safe_dump(config.model_dump(mode="json"), sort_keys=False))
+
+
+def _read_yaml(path: Path) -> dict[str, Any]:
+    try:
+        tree = yaml.safe_load(path.read_text())
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(path, f"cannot be read ({_reason(error)})", "give a readable YAML file") from None
+    except yaml.YAMLError as error:
+        raise InputError(path, f"is not valid YAML ({_one_line(error)})", "mend it at that line") from None
+    if not isinstance(tree, dict):
+        raise InputError(path, "holds no sections", "start from `horizon-dl config copy default`")
+    return tree
+
+
+def _put(tree: dict[str, Any], override: str) -> None:
+    dotted, _, value = override.partition("=")
+    *sections, key = dotted.split(".")
+    for section in sections:
+        tree = tree.setdefault(section, {})
+        if not isinstance(tree, dict):
+            raise InputError(f"--{dotted}", f"'{section}' is a value, not a section", "see `config show`")
+    tree[key] = yaml.safe_load(value)
+
+
+def _first_problem(error: ValidationError) -> str:
+    detail = error.errors()[0]
+    key = ".".join(str(part) for part in detail["loc"])
+    if detail["type"] == "extra_forbidden":
+        return f"has no key '{key}'"
+    return f"{key} = {detail['input']!r}: {detail['msg'][0].lower()}{detail['msg'][1:]}"
+
+
+def _reason(error: Exception) -> str:
+    return getattr(error, "strerror", None) or type(error).__name__
+
+
+def _one_line(error: Exception) -> str:
+    return " ".join(str(error).split())

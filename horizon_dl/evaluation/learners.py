@@ -1,0 +1,158 @@
+"""Learners fitted for a comparison: the net and the forest, offline and in one pass."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.config import Config
+from horizon_dl.geometry.view import View
+from horizon_dl.learning.online import OnlineLearner
+from horizon_dl.learning.store import FrameStore
+from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.models.forest import HorizonForest, draw_view_pixels
+from horizon_dl.uncertainty.dropout import sample_p_above, single_pass_p_above
+from horizon_dl.uncertainty.scores import score_maps
+
+Map = NDArray[np.float32]
+
+REFIT_EVERY = 20
+
+
+class Method(Protocol):
+    """Anything that gives obstacle scores for a view."""
+
+    def score_maps(self, view: View) -> dict[str, Map]:
+        """Scores by name, (h, w) in [0, 1] each; learners also give `p_above`."""
+        ...
+
+
+class StreamLearner(Method, Protocol):
+    """A method that learns frame by frame; it may be asked for scores only once it is `ready`."""
+
+    learn_s: float
+
+    @property
+    def ready(self) -> bool:
+        """Whether it has learned anything yet."""
+        ...
+
+    def learn(self, view: View) -> None:
+        """Learn from a frame that was predicted before."""
+        ...
+
+
+@dataclass(frozen=True)
+class NetMethod:
+    """A trained net with dropout at test time."""
+
+    net: HorizonFCN
+    samples: int
+
+    def score_maps(self, view: View) -> dict[str, Map]:
+        """All scores, the single pass without dropout among them."""
+        samples = sample_p_above(self.net, view.image, self.samples)
+        return score_maps(view, samples, single_pass_p_above(self.net, view.image))
+
+
+@dataclass(frozen=True)
+class ForestMethod:
+    """A fitted forest, whose trees are the samples."""
+
+    forest: HorizonForest
+
+    def score_maps(self, view: View) -> dict[str, Map]:
+        """All scores but the single pass."""
+        return score_maps(view, self.forest.p_above_samples(view))
+
+
+def fit_forest(store: FrameStore, indices: Sequence[int], seed: int) -> ForestMethod:
+    """The forest on pixels drawn evenly from the frames of a recording."""
+    config = store.config
+    per_frame = -(-config.forest.training_pixels // len(indices))
+    drawn = [
+        draw_view_pixels(view, (seed, number), config.labels.band_rad, per_frame)
+        for number, view in enumerate(store.views(indices))
+    ]
+    return ForestMethod(_fit(drawn, config, seed))
+
+
+class NetStream:
+    """The net, learning online."""
+
+    def __init__(self, config: Config, seed: int) -> None:
+        self._learner = OnlineLearner(config, seed)
+        self.ready = False
+        self.learn_s = 0.0
+
+    def score_maps(self, view: View) -> dict[str, Map]:
+        """All scores, the single pass without dropout among them."""
+        return score_maps(view, self._learner.p_above_samples(view), self._learner.single_pass(view))
+
+    def learn(self, view: View) -> None:
+        """A few steps on this frame and on remembered ones."""
+        start = time.perf_counter()
+        self._learner.learn(view)
+        self.learn_s += time.perf_counter() - start
+        self.ready = True
+
+
+class ForestStream:
+    """The forest, fitted anew to all frames so far after every 20th."""
+
+    def __init__(self, config: Config, seed: int) -> None:
+        self._config = config
+        self._seed = seed
+        self._drawn: list[tuple[NDArray[np.float32], NDArray[np.uint8]]] = []
+        self._frames = 0
+        self._forest: HorizonForest | None = None
+        self.learn_s = 0.0
+
+    @property
+    def ready(self) -> bool:
+        """Whether it has been fitted once."""
+        return self._forest is not None
+
+    def score_maps(self, view: View) -> dict[str, Map]:
+        """All scores but the single pass."""
+        assert self._forest is not None
+        return score_maps(view, self._forest.p_above_samples(view))
+
+    def learn(self, view: View) -> None:
+        """Keep pixels of this frame; fit when it is time."""
+        start = time.perf_counter()
+        limit = self._config.forest.training_pixels
+        share = limit // REFIT_EVERY
+        band_rad = self._config.labels.band_rad
+        self._drawn.append(draw_view_pixels(view, (self._seed, self._frames), band_rad, share))
+        self._frames += 1
+        if self._frames % REFIT_EVERY == 0:
+            self._drawn = [_thinned(pixels, limit // self._frames) for pixels in self._drawn]
+            self._forest = _fit(self._drawn, self._config, self._seed)
+        self.learn_s += time.perf_counter() - start
+
+
+def _thinned(
+    pixels: tuple[NDArray[np.float32], NDArray[np.uint8]], count: int
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """At most `count` pixels, evenly over the frame."""
+    features, labels = pixels
+    chosen = np.linspace(0, len(labels) - 1, min(count, len(labels))).astype(int)
+    return features[chosen], labels[chosen]
+
+
+def _fit(
+    drawn: Sequence[tuple[NDArray[np.float32], NDArray[np.uint8]]], config: Config, seed: int
+) -> HorizonForest:
+    features = np.concatenate([feature for feature, _ in drawn])
+    labels = np.concatenate([label for _, label in drawn])
+    return HorizonForest.fit_pixels(
+        features,
+        labels,
+        seed=seed,
+        trees=config.forest.trees,
+        min_samples_leaf=config.forest.min_samples_leaf,
+    )

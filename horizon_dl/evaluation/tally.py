@@ -1,0 +1,110 @@
+"""What one method earns on the test frames."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from horizon_dl.evaluation.roc import RocAccumulator
+from horizon_dl.frames.frame import Frame, Truth
+from horizon_dl.geometry.horizon import IGNORED, elevation, horizon_label
+from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.geometry.view import View
+from horizon_dl.obstacles.threshold import without_lone_pixels
+from horizon_dl.uncertainty.scores import P_ABOVE
+
+
+@dataclass(frozen=True)
+class ScoredPixels:
+    """The labelled pixels below the horizon of one frame, at the truth's own size.
+
+    Attributes:
+        mask: (H, W) bool, which pixels.
+        obstacle: (n,) bool, row by row.
+        depression_rad: (n,) angle below the horizon, rad.
+    """
+
+    mask: NDArray[np.bool_]
+    obstacle: NDArray[np.bool_]
+    depression_rad: NDArray[np.float32]
+
+
+def scored_pixels(frame: Frame) -> ScoredPixels | None:
+    """Where a frame with attitude is scored; None without truth."""
+    if frame.truth is None or frame.up_cam is None:
+        return None
+    above_horizon = elevation(camera_rays(frame.camera).directions, frame.up_cam)
+    mask = np.isin(frame.truth, (Truth.FLOOR, Truth.OBSTACLE)) & (above_horizon < 0)
+    return ScoredPixels(mask, frame.truth[mask] == Truth.OBSTACLE, -above_horizon[mask])
+
+
+def enlarged(score: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """A score map in [0, 1], bilinearly enlarged to (H, W)."""
+    size = (shape[1], shape[0])
+    resized = np.asarray(Image.fromarray(score.astype(np.float32)).resize(size, Image.Resampling.BILINEAR))
+    return np.clip(resized, 0.0, 1.0)
+
+
+@dataclass
+class Confusion:
+    """Counts of right and wrong obstacle pixels."""
+
+    hits: int = 0
+    obstacles: int = 0
+    false_alarms: int = 0
+    floor: int = 0
+
+    def add(self, obstacle_map: NDArray[np.bool_], pixels: ScoredPixels) -> None:
+        """Count one frame's (h, w) map, enlarged to the truth's size."""
+        size = (pixels.mask.shape[1], pixels.mask.shape[0])
+        found = np.asarray(Image.fromarray(obstacle_map).resize(size, Image.Resampling.NEAREST))[pixels.mask]
+        self.hits += int(np.sum(found & pixels.obstacle))
+        self.obstacles += int(np.sum(pixels.obstacle))
+        self.false_alarms += int(np.sum(found & ~pixels.obstacle))
+        self.floor += int(np.sum(~pixels.obstacle))
+
+    def rates(self) -> tuple[float | None, float | None]:
+        """True- and false-positive rate; None for a missing class."""
+        return (
+            self.hits / self.obstacles if self.obstacles else None,
+            self.false_alarms / self.floor if self.floor else None,
+        )
+
+
+@dataclass
+class Tally:
+    """Figures of one method under one seed, gathered frame by frame in bounded memory."""
+
+    rocs: dict[str, RocAccumulator] = field(default_factory=dict)
+    raw: Confusion = field(default_factory=Confusion)
+    filtered: Confusion = field(default_factory=Confusion)
+    threshold: float | None = None
+    right_sides: int = 0
+    sides: int = 0
+    frames: int = 0
+    predict_s: float = 0.0
+    train_s: float = 0.0
+
+    def add_scores(self, maps: Mapping[str, NDArray[np.float32]], pixels: ScoredPixels) -> None:
+        """Count every score map (all but `p_above`) at the scored pixels."""
+        for name, score in maps.items():
+            if name != P_ABOVE:
+                values = enlarged(score, pixels.mask.shape)[pixels.mask]
+                self.rocs.setdefault(name, RocAccumulator()).add(
+                    values, pixels.obstacle, pixels.depression_rad
+                )
+
+    def add_obstacle_map(self, score: NDArray[np.float32], threshold: float, pixels: ScoredPixels) -> None:
+        """Count the obstacle map before and after its filter."""
+        over = score > threshold
+        self.raw.add(over, pixels)
+        self.filtered.add(without_lone_pixels(over), pixels)
+
+    def add_sides(self, view: View, p_above: NDArray[np.float32], band_rad: float) -> None:
+        """Count the pixels outside the ignore band whose side of the horizon was predicted rightly."""
+        label = horizon_label(view.elevation, band_rad)
+        counts = label != IGNORED
+        self.right_sides += int(np.sum((p_above > 0.5)[counts] == (label[counts] == 1)))
+        self.sides += int(np.sum(counts))

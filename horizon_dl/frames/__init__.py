@@ -1,0 +1,1 @@
+"""Frames and the readers of recordings."""

@@ -1,0 +1,1 @@
+"""Cameras, attitude and the horizon."""

@@ -1,0 +1,45 @@
+"""A camera's intrinsics, without any mathematics of lenses."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+CameraModel = Literal["pinhole", "radtan", "kannala_brandt"]
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Intrinsics of one camera; hashable, so that its rays are computed once.
+
+    Convention: pixel centres at integers, (0, 0) top left, u right, v down; focal lengths and principal
+    point in pixels. `distortion` is () for `pinhole`, (k1, k2, p1, p2, k3) in OpenCV's order for `radtan`,
+    (k1, k2, k3, k4) for `kannala_brandt` (OpenCV's fisheye).
+    """
+
+    model: CameraModel
+    width: int
+    height: int
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    distortion: tuple[float, ...] = ()
+
+    def scaled(self, width: int, height: int) -> "Camera":
+        """The same camera with its image resized to width x height pixels.
+
+        Pixel centres map as `c' = (c + 0.5) * s - 0.5`.
+
+        Example:
+            >>> Camera("pinhole", 640, 480, 500.0, 500.0, 319.5, 239.5).scaled(320, 240).cx
+            159.5
+        """
+        sx, sy = width / self.width, height / self.height
+        return replace(
+            self,
+            width=width,
+            height=height,
+            fx=self.fx * sx,
+            fy=self.fy * sy,
+            cx=(self.cx + 0.5) * sx - 0.5,
+            cy=(self.cy + 0.5) * sy - 0.5,
+        )

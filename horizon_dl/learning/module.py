@@ -1,0 +1,60 @@
+"""The Lightning shell around the net: loss, optimiser, schedule."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import lightning
+import numpy as np
+import torch
+from torch import Tensor
+from torch.nn import functional as F  # noqa: N812  (torch's own name)
+from torch.utils.data import IterableDataset
+
+from horizon_dl.config import TrainConfig
+from horizon_dl.learning.crops import Batch, draw_batch
+from horizon_dl.learning.store import FramePool
+from horizon_dl.models.fcn import HorizonFCN
+
+
+def horizon_loss(logits: Tensor, batch: Batch) -> Tensor:
+    """Cross-entropy with the soft targets, nats, mean over the pixels that count."""
+    losses = F.binary_cross_entropy_with_logits(logits, batch.targets, reduction="none")
+    return (losses * batch.weights).sum() / batch.weights.sum().clamp(min=1.0)
+
+
+class HorizonModule(lightning.LightningModule):
+    """Trains a `HorizonFCN` for a fixed number of steps."""
+
+    def __init__(self, net: HorizonFCN, config: TrainConfig) -> None:
+        super().__init__()
+        self.net = net
+        self.config = config
+
+    def training_step(self, batch: Batch, _: int) -> Tensor:
+        """Loss of one batch of crops."""
+        loss = horizon_loss(self.net(batch.images), batch)
+        self.log("loss", loss, prog_bar=True)
+        return loss
+
+    def configure_optimizers(self) -> Any:
+        """AdamW; the learning rate rises for a tenth of the steps, then falls along a cosine."""
+        optimiser = torch.optim.AdamW(
+            self.parameters(), lr=self.config.learning_rate, weight_decay=self.config.weight_decay
+        )
+        schedule = torch.optim.lr_scheduler.OneCycleLR(
+            optimiser, self.config.learning_rate, total_steps=self.config.steps, pct_start=0.1
+        )
+        return {"optimizer": optimiser, "lr_scheduler": {"scheduler": schedule, "interval": "step"}}
+
+
+class CropStream(IterableDataset[Batch]):
+    """An endless stream of batches from a pool."""
+
+    def __init__(self, pool: FramePool, config: TrainConfig, rng: np.random.Generator) -> None:
+        self._pool = pool
+        self._config = config
+        self._rng = rng
+
+    def __iter__(self) -> Iterator[Batch]:
+        while True:
+            yield draw_batch(self._pool.draw(self._config.batch), self._config.crop, self._rng)

@@ -1,0 +1,95 @@
+"""A trained net on new images, with or without attitude."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from horizon_dl.errors import FrameError
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.frames.frame import Recording
+from horizon_dl.frames.loading import load_frame, load_rgb
+from horizon_dl.frames.pictures import picture_paths
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.view import View, make_view, working_size
+from horizon_dl.learning.run import Run
+from horizon_dl.obstacles.threshold import obstacle_map
+from horizon_dl.uncertainty.dropout import sample_p_above
+from horizon_dl.uncertainty.measures import Measures, measures
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a net says of one frame.
+
+    Attributes:
+        view: the frame at the working size; its elevation is NaN where no attitude is known.
+        measures: maps of that size; without attitude the surprisal means nothing.
+        obstacles: (h, w) bool, entropy over the run's threshold, lone pixels removed.
+        truth: (H, W) uint8 at the frame's own size, or None.
+    """
+
+    view: View
+    measures: Measures
+    obstacles: NDArray[np.bool_]
+    truth: NDArray[np.uint8] | None
+
+    def arrays(self) -> dict[str, NDArray[np.generic]]:
+        """All maps by name, the float ones as float16."""
+        maps = {name: value.astype(np.float16) for name, value in vars(self.measures).items()}
+        return {**maps, "obstacles": self.obstacles, "elevation_rad": self.view.elevation}
+
+
+Item = tuple[View, NDArray[np.uint8] | None] | FrameError
+
+
+def predict(run: Run, view: View, truth: NDArray[np.uint8] | None = None) -> Prediction:
+    """Measures and obstacle map of one view."""
+    samples = sample_p_above(run.net, view.image, run.config.model.samples)
+    found = measures(samples, view.elevation > 0)
+    return Prediction(view, found, obstacle_map(found.entropy, run.threshold), truth)
+
+
+def open_source(source: Path, format: str | None) -> Recording | list[Path]:
+    """A data set, or else plain pictures.
+
+    Raises:
+        InputError: neither; what a data set needs is in the message.
+    """
+    pictures = picture_paths(source)
+    if pictures and format is None and not (source / "camera.yaml").exists():
+        return pictures
+    return open_recording(source, format)
+
+
+def views_of(source: Recording | list[Path], max_pixels: int) -> Iterator[Item]:
+    """Views with their truth, or the error of a frame that cannot be read; attitude is not needed."""
+    if isinstance(source, Recording):
+        yield from (_view_of_entry(source, index, max_pixels) for index in range(len(source.entries)))
+    else:
+        yield from (_view_of_picture(path, max_pixels) for path in source)
+
+
+def _view_of_entry(recording: Recording, index: int, max_pixels: int) -> Item:
+    try:
+        frame = load_frame(recording, index)
+    except FrameError as error:
+        return error
+    if frame.up_cam is not None:
+        return make_view(frame, max_pixels), frame.truth
+    view = make_view(replace(frame, up_cam=np.array([0.0, -1.0, 0.0])), max_pixels)
+    return replace(view, elevation=np.full_like(view.elevation, np.nan)), frame.truth
+
+
+def _view_of_picture(path: Path, max_pixels: int) -> Item:
+    try:
+        image = load_rgb(path)
+    except FrameError as error:
+        return error
+    height, width = image.shape[:2]
+    size = working_size(Camera("pinhole", width, height, 1.0, 1.0, 0.0, 0.0), max_pixels)
+    small = np.asarray(Image.fromarray(image).resize(size, Image.Resampling.BOX))
+    return View(path.name, 0.0, small, np.full(small.shape[:2], np.nan, np.float32)), None

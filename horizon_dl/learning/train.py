@@ -1,0 +1,127 @@
+"""Offline training on a recording."""
+
+import logging
+import time
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+
+import lightning
+import numpy as np
+import torch
+from lightning.pytorch.loggers import TensorBoardLogger
+from torch.utils.data import DataLoader
+
+from horizon_dl.config import Config
+from horizon_dl.frames.frame import Recording
+from horizon_dl.learning.module import CropStream, HorizonModule
+from horizon_dl.learning.run import Run
+from horizon_dl.learning.store import FramePool, FrameStore
+from horizon_dl.models.build import build_net
+from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.obstacles.percentile import stream_percentile
+from horizon_dl.uncertainty.dropout import sample_p_above
+from horizon_dl.uncertainty.measures import binary_entropy
+
+THRESHOLD_FRAMES = 50
+
+
+def train_net(
+    store: FrameStore,
+    indices: Sequence[int],
+    *,
+    seed: int,
+    log_dir: Path | None = None,
+    progress: bool = False,
+) -> HorizonFCN:
+    """A net trained for `train.steps` steps on frames of a recording.
+
+    Args:
+        store: where the frames come from.
+        indices: which of them.
+        seed: of weights, crops and dropout; the same seed on the same machine gives the same net.
+        log_dir: folder for TensorBoard logs, or None.
+        progress: show progress bars.
+
+    Raises:
+        InputError: too many of the frames cannot be used.
+    """
+    config: Config = store.config
+    rng = np.random.default_rng(seed)
+    pool = FramePool(store, indices, memory_mb=config.train.memory_mb, rng=rng, progress=progress)
+    with _quiet_lightning(), torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        module = HorizonModule(build_net(config.model), config.train)
+        trainer = lightning.Trainer(
+            max_steps=config.train.steps,
+            accelerator="auto",
+            devices=1,
+            logger=TensorBoardLogger(log_dir, name="", version="") if log_dir else False,
+            log_every_n_steps=10,
+            enable_progress_bar=progress,
+            enable_model_summary=False,
+            enable_checkpointing=False,
+            gradient_clip_val=1.0,
+        )
+        trainer.fit(module, DataLoader(CropStream(pool, config.train, rng), batch_size=None))
+    return module.net.eval().cpu()
+
+
+def train_run(
+    recording: Recording, config: Config, *, log_dir: Path | None = None, progress: bool = False
+) -> Run:
+    """Train on all frames of a recording and choose the threshold; the result is ready to be saved."""
+    store = FrameStore(recording, config)
+    indices = range(len(recording.entries))
+    start = time.perf_counter()
+    net = train_net(store, indices, seed=config.seed, log_dir=log_dir, progress=progress)
+    train_s = time.perf_counter() - start
+    info = {
+        "data": recording.name,
+        "format": recording.format,
+        "camera": asdict(recording.camera),
+        "frames": len(indices) - len(store.skipped),
+        "skipped": store.skipped,
+        "train_s": train_s,
+        "threshold": entropy_threshold(net, store, indices),
+        "threshold_rule": f"percentile-{config.threshold.percentile:g}",
+    }
+    return Run(net, config, info)
+
+
+def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:
+    """The paper's threshold, bits: a percentile of the entropies of at most 50 evenly spread training frames."""
+    config = store.config
+    entropies = (
+        binary_entropy(sample_p_above(net, view.image, config.model.samples).mean(axis=0))[
+            ~np.isnan(view.elevation)
+        ]
+        for view in store.views(evenly(indices, THRESHOLD_FRAMES))
+    )
+    return stream_percentile(entropies, config.threshold.percentile)
+
+
+def evenly(indices: Sequence[int], count: int) -> list[int]:
+    """At most `count` of the indices, evenly spread.
+
+    Example:
+        >>> evenly(range(100), 3)
+        [0, 49, 99]
+    """
+    chosen = np.linspace(0, len(indices) - 1, min(count, len(indices))).astype(int)
+    return [indices[i] for i in chosen]
+
+
+@contextmanager
+def _quiet_lightning() -> Iterator[None]:
+    """Without Lightning's advertisements and its advice on worker processes."""
+    logger = logging.getLogger("lightning.pytorch")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module="lightning.*")
+        warnings.filterwarnings("ignore", message=".*(num_workers|IterableDataset|epoch).*")
+        yield
+    logger.setLevel(level)

@@ -1,0 +1,1 @@
+"""The net, the forest and its features."""

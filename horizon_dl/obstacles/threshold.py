@@ -1,0 +1,48 @@
+"""From a map of uncertainty to a map of obstacles."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def percentile_threshold(training_uncertainties: ArrayLike, percentile: float = 25.0) -> float:
+    """The threshold that needs no obstacle label: a percentile of the training uncertainties.
+
+    Source: arXiv:1806.08007, which takes the 25th.
+
+    Args:
+        training_uncertainties: scores of training pixels, any shape; NaN is left out.
+        percentile: in [0, 100].
+
+    Raises:
+        ValueError: if there is no score, or the percentile is outside its range.
+    """
+    scores = np.asarray(training_uncertainties)
+    scores = scores[~np.isnan(scores)]
+    if scores.size == 0:
+        raise ValueError("no training uncertainty to take a percentile of")
+    return float(np.percentile(scores, percentile))
+
+
+def obstacle_map(score: NDArray[np.floating], threshold: float) -> NDArray[np.bool_]:
+    """Pixels over the threshold, without those that stand alone.
+
+    Args:
+        score: (h, w) uncertainty; NaN is no obstacle.
+        threshold: in the unit of the score; a pixel must exceed it.
+
+    Returns:
+        (h, w) bool; a pixel with no obstacle among its 8 neighbours is removed.
+    """
+    return without_lone_pixels(score > threshold)
+
+
+def without_lone_pixels(obstacle: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Removes obstacle pixels with fewer than one obstacle neighbour of 8; beyond the border is none."""
+    height, width = obstacle.shape
+    padded = np.pad(obstacle, 1)
+    neighbour = np.zeros_like(obstacle)
+    for row in range(3):
+        for column in range(3):
+            if (row, column) != (1, 1):
+                neighbour |= padded[row : row + height, column : column + width]
+    return obstacle & neighbour

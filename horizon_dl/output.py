@@ -1,0 +1,56 @@
+"""Writing results so that nothing half-written is ever left."""
+
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from horizon_dl.errors import InputError
+
+
+@contextmanager
+def output_folder(out: Path) -> Iterator[Path]:
+    """A folder beside `out` to write to; its files move into `out` once all went well.
+
+    Files of earlier results that are not written again stay. On any error `out` is as it was.
+
+    Raises:
+        InputError: `out` is a file, or its place cannot be written to.
+    """
+    out = out.absolute()
+    if out.exists() and not out.is_dir():
+        raise InputError(out, "is a file", "give a folder with --out")
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(prefix=f".{out.name}.", dir=out.parent))
+    except OSError as error:
+        raise InputError(out, f"cannot be written ({error.strerror})", "give another --out") from None
+    try:
+        beside.chmod(0o755)
+        yield beside
+        _move_into(beside, out)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def write_json(path: Path, value: Any) -> None:
+    """Write JSON beside and rename; NaN is refused, since it is no JSON."""
+    beside = path.with_name(f".{path.name}.partial")
+    beside.write_text(json.dumps(value, indent=1, allow_nan=False) + "\n")
+    beside.replace(path)
+
+
+def _move_into(source: Path, out: Path) -> None:
+    if not out.exists():
+        os.rename(source, out)  # noqa: PTH104  (Path.rename would return a new path object for nothing)
+        return
+    for path in sorted(source.rglob("*")):
+        target = out / path.relative_to(source)
+        if path.is_dir():
+            target.mkdir(exist_ok=True)
+        else:
+            path.replace(target)

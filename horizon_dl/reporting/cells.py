@@ -1,0 +1,79 @@
+"""The cells of a panel: one frame drawn in one size, each cell with the horizon."""
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PilImage
+
+from horizon_dl.reporting.colours import Colour, Image, colour_map
+from horizon_dl.reporting.overlays import (
+    contour_coverage,
+    draw_horizon,
+    draw_line,
+    draw_obstacles,
+    draw_truth,
+    shrink_truth,
+)
+
+Floats = NDArray[np.floating]
+WHITE: Colour = (255, 255, 255)
+BLACK: Colour = (0, 0, 0)
+
+
+def resize_image(image: Image, width: int, height: int) -> Image:
+    """(height, width, 3): area-averaged when it shrinks, bicubic when it grows."""
+    shrinks = width < image.shape[1]
+    how = PilImage.Resampling.BOX if shrinks else PilImage.Resampling.BICUBIC
+    return np.asarray(PilImage.fromarray(image).resize((width, height), how), np.uint8)
+
+
+def resize_map(values: Floats, width: int, height: int) -> NDArray[np.float32]:
+    """(height, width) float32, bilinear; pixels that touch a NaN become NaN."""
+    resized = PilImage.fromarray(np.asarray(values, np.float32)).resize(
+        (width, height), PilImage.Resampling.BILINEAR
+    )
+    return np.array(resized, np.float32)
+
+
+def _resize_mask(mask: NDArray[np.bool_], width: int, height: int) -> NDArray[np.bool_]:
+    resized = PilImage.fromarray(np.asarray(mask, np.uint8)).resize(
+        (width, height), PilImage.Resampling.NEAREST
+    )
+    return np.asarray(resized, bool)
+
+
+class Cells:
+    """Draws the cells of one frame, all of one size, each with the horizon.
+
+    Args:
+        image: (h, w, 3) uint8 RGB.
+        elevation: (h, w) rad, NaN where the ray is not valid.
+        width: of a cell in pixels; the height follows from the image's aspect.
+    """
+
+    def __init__(self, image: Image, elevation: Floats, width: int) -> None:
+        self.width = width
+        self.height = max(1, round(image.shape[0] * width / image.shape[1]))
+        self.image = resize_image(image, self.width, self.height)
+        self.elevation = resize_map(elevation, self.width, self.height)
+
+    def photo(self) -> Image:
+        """The image itself."""
+        return draw_horizon(self.image, self.elevation)
+
+    def map(self, values: Floats, table: str) -> Image:
+        """Values in [0, 1], any size, through the colour map `sides` or `uncertainty`."""
+        coloured = colour_map(resize_map(values, self.width, self.height), table)
+        return self._thin_horizon(coloured, BLACK if table == "sides" else WHITE)
+
+    def obstacles(self, mask: NDArray[np.bool_]) -> Image:
+        """An obstacle map of any size over the grey image."""
+        drawn = draw_obstacles(self.image, _resize_mask(mask, self.width, self.height))
+        return self._thin_horizon(drawn, WHITE)
+
+    def truth(self, truth: NDArray[np.uint8]) -> Image:
+        """A truth of any size over the grey image."""
+        drawn = draw_truth(self.image, shrink_truth(truth, self.width, self.height))
+        return self._thin_horizon(drawn, WHITE)
+
+    def _thin_horizon(self, picture: Image, colour: Colour) -> Image:
+        return draw_line(picture, contour_coverage(self.elevation, 0.0, 1.0), colour, 0.8)

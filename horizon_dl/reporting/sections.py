@@ -1,0 +1,126 @@
+"""What a report is made of: headings, texts, tables, figures, findings and facts."""
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from horizon_dl.evaluation.finding import Finding
+
+
+def media_type(content: bytes) -> str:
+    """Media type of a picture from its first bytes.
+
+    Raises:
+        ValueError: neither PNG, JPEG nor SVG.
+    """
+    if content.startswith(b"\x89PNG"):
+        return "image/png"
+    if content.startswith(b"\xff\xd8"):
+        return "image/jpeg"
+    if b"<svg" in content[:2000]:
+        return "image/svg+xml"
+    raise ValueError("a figure wants the bytes of a PNG, JPEG or SVG file")
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading that the contents list links to."""
+
+    text: str
+    kind: str = field(default="heading", init=False)
+
+
+@dataclass(frozen=True)
+class Text:
+    """Plain text; blank lines part paragraphs. `lead` sets it larger."""
+
+    text: str
+    lead: bool = False
+    kind: str = field(default="text", init=False)
+
+    @property
+    def paragraphs(self) -> list[str]:
+        """The text's paragraphs."""
+        return [part.strip() for part in self.text.split("\n\n") if part.strip()]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under a header; the first `text_columns` columns are text, the rest figures, set to the right."""
+
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    caption: str = ""
+    text_columns: int = 1
+    kind: str = field(default="table", init=False)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture: the bytes of a PNG, JPEG or SVG file. `wide` lets it use the whole page."""
+
+    content: bytes
+    caption: str = ""
+    alt: str = ""
+    wide: bool = False
+    kind: str = field(default="figure", init=False)
+
+    @property
+    def address(self) -> str:
+        """The picture as a data address, so that the report is one file."""
+        return f"data:{media_type(self.content)};base64,{base64.b64encode(self.content).decode('ascii')}"
+
+
+@dataclass(frozen=True)
+class Findings:
+    """A list of findings; the first section of `check-data`."""
+
+    findings: Sequence[Finding]
+    kind: str = field(default="findings", init=False)
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Short facts as name and value, such as protocol, seeds, machine and versions; also a glossary."""
+
+    pairs: Sequence[tuple[str, str]]
+    glossary: bool = False
+    kind: str = field(default="pairs", init=False)
+
+
+Section = Heading | Text | Table | Figure | Findings | Pairs
+
+GLOSSARY = Pairs(
+    (
+        ("horizon label", "1 above, 0 below the horizon that the attitude gives; free for every image."),
+        ("p_above", "Probability that a pixel looks like what is found above the horizon."),
+        (
+            "entropy",
+            "The method's score, in bits: 0 sure, 1 undecided. What stands on both sides of the horizon, as "
+            "obstacles do, scores high.",
+        ),
+        ("surprisal", "How surprising a pixel's appearance is on the side where it really lies, in bits."),
+        ("mutual information", "The part of the entropy that more training could remove: novelty."),
+        (
+            "AUC",
+            "Chance that an obstacle pixel scores above a floor pixel, pooled over all labelled pixels below "
+            "the horizon of all test frames.",
+        ),
+        (
+            "AUC within depression",
+            "The same among pixels equally far below the horizon: what appearance adds to position. "
+            "Position alone gets 0.5.",
+        ),
+        (
+            "AP, FPR95, best F1",
+            "Average precision; share of the floor called obstacle where 95 % of the obstacles are found; "
+            "the best balance of precision and recall.",
+        ),
+        (
+            "position, guided diffusion, geodesic",
+            "Baselines that learn nothing; a learned score has to beat them.",
+        ),
+        ("±", "Standard deviation over the seeds."),
+    ),
+    glossary=True,
+)

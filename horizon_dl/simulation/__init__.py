@@ -1,0 +1,1 @@
+"""The simulated arena: procedural scene, flight, renderer, and the embedded data set."""

@@ -1,0 +1,115 @@
+"""The floor as one picture: carpets, mats, painted lines, stains, baked light and contact shadows."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.simulation.layout import Arena
+from horizon_dl.simulation.noise import fractal_noise, value_noise
+from horizon_dl.simulation.surfaces import PALETTE, Texture, shade, to_texture
+
+SIZE = 2048  # pixels a side; 5 to 8 mm a pixel
+
+Picture = NDArray[np.float32]
+Grid = NDArray[np.float32]
+
+
+def _colour(rng: np.random.Generator) -> NDArray[np.float32]:
+    return np.asarray(list(PALETTE.values())[rng.integers(len(PALETTE))], np.float32)
+
+
+def _carpets(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
+    """Strips of three carpets, with fibre noise and wear."""
+    edges = np.sort(rng.uniform(-arena.length_m / 2, arena.length_m / 2, 3))
+    index = np.searchsorted(edges, x[:, 0]) % 3
+    colours = np.array([PALETTE[c] for c in arena.floor_colours], np.float32)
+    border = arena.width_m / 2 - rng.uniform(0.4, 1.2)
+    index = np.where(np.abs(y) > border, (index[:, None] + 1) % 3, index[:, None])
+    tones = np.array([_carpet_tone(rng, style) for style in rng.permutation(4)[:3]])
+    chosen = np.take_along_axis(tones, index[None], axis=0)[0]
+    return colours[index] * chosen[..., None]
+
+
+def _carpet_tone(rng: np.random.Generator, style: int) -> Picture:
+    """Factor of one carpet: worn pile, speckles, carpet tiles laid crosswise, or blotches."""
+    tone = 1 + 0.25 * fractal_noise(rng, SIZE, SIZE, (9, 9), 6) + 0.10 * rng.standard_normal((SIZE, SIZE), dtype=np.float32)
+    if style == 1:
+        tone += 0.5 * (value_noise(rng, SIZE, SIZE, (SIZE // 3, SIZE // 3)) > 0.85)
+    elif style == 2:
+        cells = np.kron(rng.normal(0, 0.10, (32, 32)), np.ones((SIZE // 32, SIZE // 32)))
+        joints = np.arange(SIZE) % (SIZE // 32) < 2
+        tone += cells - 0.25 * (joints[:, None] | joints[None, :])
+    elif style == 3:
+        tone += 0.5 * (fractal_noise(rng, SIZE, SIZE, (40, 40), 3) > 0.12)
+    return np.asarray(tone, np.float32)
+
+
+def _mat_pattern(rng: np.random.Generator, along: Grid, across: Grid) -> Picture:
+    """One of three mats: checkerboard, flowers, stripes."""
+    one, two = _colour(rng), _colour(rng)
+    kind = rng.integers(3)
+    if kind == 0:
+        dark = (np.floor(along / 0.22) + np.floor(across / 0.22)) % 2 > 0
+    elif kind == 1:
+        phase = rng.uniform(0, 7, 4)
+        waves = np.sin(17 * along + phase[0]) * np.sin(15 * across + phase[1])
+        dark = waves + 0.7 * np.sin(31 * along + 9 * across + phase[2]) > 0.15
+    else:
+        dark = (along / 0.3) % 1 < 0.5
+    return np.where(dark[..., None], one, two * 1.1).astype(np.float32)
+
+
+def _add_mats(rng: np.random.Generator, picture: Picture, arena: Arena, x: Grid, y: Grid) -> None:
+    for _ in range(int(rng.integers(5, 8))):
+        centre = rng.uniform((-0.42, -0.42), (0.42, 0.42)) * (arena.length_m, arena.width_m)
+        turn, half = rng.uniform(0, np.pi), rng.uniform((0.6, 0.4), (1.2, 0.9))
+        c, s = np.cos(turn), np.sin(turn)
+        along = (x - centre[0]) * c + (y - centre[1]) * s
+        across = -(x - centre[0]) * s + (y - centre[1]) * c
+        inside = (np.abs(along) < half[0]) & (np.abs(across) < half[1])
+        picture[inside] = _mat_pattern(rng, along[inside], across[inside])
+        picture[inside] *= 1 + 0.12 * rng.normal(0, 1, (int(inside.sum()), 1)).astype(np.float32)
+
+
+def _add_lines(rng: np.random.Generator, picture: Picture, arena: Arena, x: Grid, y: Grid) -> None:
+    """Painted court lines and a circle."""
+    paint = _colour(rng) * 0.5 + 0.4
+    half_x, half_y = arena.length_m / 2 - 1.3, arena.width_m / 2 - 1.1
+    edge = np.maximum(np.abs(x) - half_x, np.abs(y) - half_y)
+    lines = (np.abs(edge) < 0.035) | (np.abs(np.hypot(x - 1, y + 0.5) - rng.uniform(1.2, 2.0)) < 0.035)
+    lines |= (np.abs(y - rng.uniform(-2, 2)) < 0.03) & (np.abs(x) < half_x)
+    worn = rng.random((SIZE, SIZE), dtype=np.float32) > 0.25
+    picture[lines & worn] = paint
+
+
+def _light(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
+    """Factor of the lamps' unevenness and of the shade at the foot of solids and walls."""
+    light = 1 + 0.45 * fractal_noise(rng, SIZE, SIZE, (2, 2), 2)
+    points = np.stack((x[::8, ::8].ravel(), y[::8, ::8].ravel()), axis=1)
+    near = arena.clearance(points).reshape(SIZE // 8, SIZE // 8)
+    shadow = 0.45 * np.exp(-np.maximum(near, 0) / 0.22)
+    return light * (1 - np.kron(shadow, np.ones((8, 8)))).astype(np.float32)
+
+
+def paint_floor(rng: np.random.Generator, arena: Arena) -> Texture:
+    """The floor's picture.
+
+    Returns:
+        (SIZE, SIZE, 3) uint8; rows run along +x (north), columns along +y (west), both over the arena's
+        full size.
+    """
+    x, y = np.mgrid[-0.5 : 0.5 : SIZE * 1j, -0.5 : 0.5 : SIZE * 1j]
+    x, y = (x * arena.length_m).astype(np.float32), (y * arena.width_m).astype(np.float32)
+    picture = _carpets(rng, arena, x, y)
+    _add_mats(rng, picture, arena, x, y)
+    _add_lines(rng, picture, arena, x, y)
+    return to_texture(picture * _light(rng, arena, x, y)[..., None])
+
+
+def paint_ceiling(rng: np.random.Generator, size: int = 512) -> Texture:
+    """Ceiling tiles with rows of lamps: (size, size, 3) uint8."""
+    v, u = np.mgrid[0 : 16 : size * 1j, 0 : 16 : size * 1j]
+    tiles = np.where((v % 1 < 0.05) | (u % 1 < 0.05), 0.8, 1.0)
+    base = shade((0.50, 0.50, 0.48), tiles * (1 + 0.2 * fractal_noise(rng, size, size, (6, 6), 5)))
+    lamps = (np.floor(v) % 4 == 1) & (np.floor(u) % 3 == 1) & (v % 1 > 0.1) & (u % 1 > 0.1)
+    base[lamps] = (1.0, 1.0, 0.95)
+    return to_texture(base)

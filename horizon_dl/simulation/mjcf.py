@@ -1,0 +1,77 @@
+"""A scene in MuJoCo's model language."""
+
+from collections.abc import Sequence
+
+from horizon_dl.simulation.scene import Face, Scene, Tube
+
+LAMPS = 3  # the first one casts shadows
+
+
+def _numbers(values: Sequence[float]) -> str:
+    return " ".join(f"{value:.6g}" for value in values)
+
+
+def _face(face: Face) -> str:
+    axes = _numbers((*face.right, *face.up))
+    spacing = 0.5  # lighting is computed at the corners of squares of this size
+    return (
+        f'<geom type="plane" pos="{_numbers(face.centre)}" xyaxes="{axes}" '
+        f'size="{_numbers((*face.half_m, spacing))}" material="m{face.texture}"/>'
+    )
+
+
+def _tube(tube: Tube) -> str:
+    return (
+        f'<geom type="cylinder" pos="{_numbers(tube.centre)}" '
+        f'size="{_numbers((tube.radius_m, tube.half_height_m))}" rgba="{_numbers((*tube.colour, 1.0))}"/>'
+    )
+
+
+def _assets(scene: Scene) -> list[str]:
+    lines = ['<texture type="skybox" builtin="gradient" rgb1=".42 .58 .80" rgb2=".80 .83 .85" width="64" height="384"/>']
+    for index, texture in enumerate(scene.textures):
+        height, width = texture.shape[:2]
+        lines.append(f'<texture name="t{index}" type="2d" builtin="flat" width="{width}" height="{height}"/>')
+        lines.append(f'<material name="m{index}" texture="t{index}" specular="0" shininess="0" reflectance="0"/>')
+    return lines
+
+
+def _lights(scene: Scene) -> list[str]:
+    arena = scene.arena
+    spots = ((0.28, 0.22), (-0.3, 0.1), (0.05, -0.35))
+    lines = []
+    for index, (x, y) in enumerate(spots[:LAMPS]):
+        place = _numbers((x * arena.length_m, y * arena.width_m, arena.wall_m - 0.05))
+        lines.append(
+            f'<light pos="{place}" dir="0 0 -1" cutoff="88" exponent="0.6" attenuation="1 0 0.012" '
+            f'diffuse=".4 .4 .4" specular="0 0 0" castshadow="{"true" if index == 0 else "false"}"/>'
+        )
+    return lines
+
+
+def mjcf(scene: Scene, width: int, height: int, samples: int) -> str:
+    """The model as XML: geoms in the order faces, tubes; one camera; lamps. Pictures are filled in later.
+
+    Args:
+        scene: what to describe.
+        width: of the off-screen buffer, pixels.
+        height: of the off-screen buffer, pixels.
+        samples: multisamples a pixel.
+    """
+    geoms = [_face(face) for face in scene.faces] + [_tube(tube) for tube in scene.tubes]
+    return "\n".join(
+        (
+            "<mujoco><compiler angle='degree'/><statistic extent='1' center='0 0 1'/>",
+            f'<visual><global offwidth="{width}" offheight="{height}"/>',
+            f'<quality offsamples="{samples}" shadowsize="768"/>',
+            '<map znear="0.05" zfar="60"/>',
+            '<headlight ambient=".42 .42 .42" diffuse=".1 .1 .1" specular="0 0 0"/></visual>',
+            "<asset>",
+            *_assets(scene),
+            '</asset><default><geom contype="0" conaffinity="0" group="0"/></default><worldbody>',
+            *_lights(scene),
+            '<camera name="drone" pos="0 0 1"/>',
+            *geoms,
+            "</worldbody></mujoco>",
+        )
+    )

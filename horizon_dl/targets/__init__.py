@@ -1,0 +1,1 @@
+"""What the learners are trained on."""

@@ -1,0 +1,1 @@
+"""Dropout sampling and uncertainty measures."""
