@@ -16,7 +16,7 @@ $(UV):
 
 $(STAMP): $(UV) pyproject.toml constraints.txt
 	$(UV) venv --quiet --allow-existing --python $(PYTHON) $(VENV)
-	$(UV) pip install --quiet --python $(BIN)/python --constraint constraints.txt --editable '.[train,sim,dev]'
+	$(UV) pip install --quiet --python $(BIN)/python --constraint constraints.txt --build-constraint constraints.txt --editable '.[train,sim,dev]'
 	touch $@
 
 demo: $(STAMP)

@@ -145,13 +145,13 @@ def _offline(
     net_s = time.perf_counter() - start
     forest = fit_forest(store, split.train, seed)
     forest_s = time.perf_counter() - start - net_s
-    methods: dict[str, Method] = {"cnn": NetMethod(net, config.model.samples), "rf": forest}
+    methods: dict[str, Method] = {"cnn": NetMethod(net), "rf": forest}
     thresholds = {
         "cnn": entropy_threshold(net, store, split.train),
         "rf": _forest_threshold(forest, store, split.train),
     }
     frames = tqdm(
-        store.frames(split.test), f"seed {seed}", total=len(split.test), unit="frame", disable=not progress
+        store.frames(split.test), f"test, seed {seed}", total=len(split.test), unit="frame", disable=not progress
     )
     tallies = score_frames(methods, thresholds, frames, config.labels.band_rad, on_frame)
     tallies["cnn"].train_s, tallies["rf"].train_s = net_s, forest_s
@@ -173,7 +173,7 @@ def _prequential(
     entropies = {name: RunningPercentile(config.threshold.percentile) for name in streams}
     tested = {store.recording.entries[index].name for index in split.test}
     frames = tqdm(
-        store.frames(split.train), f"seed {seed}", total=len(split.train), unit="frame", disable=not progress
+        store.frames(split.train), f"online, seed {seed}", total=len(split.train), unit="frame", disable=not progress
     )
     for frame, view in frames:
         ready = {name: stream for name, stream in streams.items() if stream.ready}
@@ -211,8 +211,6 @@ def _count(tallies: Mapping[str, Tally], scored: ScoredFrame, band_rad: float) -
         tally = tallies[name]
         if P_ABOVE in maps:
             tally.add_sides(scored.view, maps[P_ABOVE], band_rad)
-        if pixels is None:
-            continue
         tally.add_scores(maps, pixels)
         if name in scored.thresholds:
             tally.threshold = scored.thresholds[name]

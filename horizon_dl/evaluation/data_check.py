@@ -2,8 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,20 +10,17 @@ from PIL import Image
 from tqdm import tqdm
 
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.evaluation.check_result import DataCheck
+from horizon_dl.evaluation.data_findings import with_findings
 from horizon_dl.evaluation.entry_statistics import (
-    Attitudes,
-    Labels,
-    Percentiles,
     Timing,
     attitudes,
     label_statistics,
     percentiles,
     timing,
 )
-from horizon_dl.evaluation.finding import Finding, Level
 from horizon_dl.evaluation.motion_fit import MotionFit, measured_shift, motion_fit, predicted_shifts
 from horizon_dl.evaluation.pixel_statistics import (
-    Exposure,
     PictureStatistics,
     TruthStatistics,
     exposure,
@@ -40,46 +36,6 @@ from horizon_dl.geometry.view import View, make_view, working_size
 OVERLAYS = 8
 MOST_TRUTHS = 30
 MOTION_PIXELS = 38400
-
-
-@dataclass(frozen=True)
-class DataCheck:
-    """What was found about a recording; figures are None where nothing is known.
-
-    Attributes:
-        frames: entries of the recording.
-        sampled: images that were looked at, of which `unreadable` could not be read.
-        unreadable_examples: name and reason of the first few.
-        findings: the words, the verdict's reasons among them.
-        verdict: one sentence; `level` is its level.
-        overlay_views: evenly spaced frames to draw the horizon on; not part of the JSON.
-    """
-
-    name: str
-    format: str
-    frames: int
-    sampled: int
-    unreadable: int
-    unreadable_examples: tuple[tuple[str, str], ...]
-    band_deg: float
-    notes: tuple[str, ...]
-    timing: Timing
-    attitudes: Attitudes | None
-    labels: Labels | None
-    exposure: Exposure | None
-    motion: MotionFit | None
-    height_m: Percentiles | None
-    truth: TruthStatistics | None
-    findings: tuple[Finding, ...] = ()
-    level: Level = "ok"
-    verdict: str = ""
-    overlay_views: tuple[View, ...] = field(default=(), repr=False)
-
-    def to_json(self) -> dict[str, Any]:
-        """Everything but the pictures, as what `json.dumps` takes."""
-        return {
-            name: value for name, value in asdict(_without_views(self)).items() if name != "overlay_views"
-        }
 
 
 @dataclass
@@ -134,8 +90,6 @@ def check_recording(
         >>> check.verdict  # doctest: +SKIP
         'This data can work.'
     """
-    from horizon_dl.evaluation.data_findings import with_findings
-
     if not recording.entries:
         raise InputError(recording.name, "has no frames", "check the folder and its image list")
     times = timing(recording.entries)
@@ -236,9 +190,3 @@ def _has_attitude(frame: Frame) -> bool:
 
 def _bar(indices: list[int], progress: bool) -> Iterable[int]:
     return tqdm(indices, "looking at images", unit="image", disable=not progress)
-
-
-def _without_views(check: DataCheck) -> DataCheck:
-    from dataclasses import replace
-
-    return replace(check, overlay_views=())

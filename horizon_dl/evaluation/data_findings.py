@@ -3,8 +3,9 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from horizon_dl.evaluation.data_check import DataCheck
+from horizon_dl.evaluation.check_result import DataCheck
 from horizon_dl.evaluation.finding import Finding, Level, verdict_of
+from horizon_dl.evaluation.motion_fit import MotionFit
 
 FEW_FRAMES, TOO_FEW_FRAMES = 50, 5
 Rule = Callable[[DataCheck], Iterator[Finding]]
@@ -168,11 +169,16 @@ def _times(check: DataCheck) -> Iterator[Finding]:
             "warning", text, "Dropped frames do no harm to training; the attitude must not be bridged."
         )
     if times.backwards:
-        text = f"The clock runs backwards {times.backwards} times."
+        text = f"The clock runs backwards {_times_in_words(times.backwards)}."
         yield Finding("warning", text, "Split the recording where the clock was set, or mend time_s.")
     if times.repeated:
-        text = f"{times.repeated} frames have the time of the frame before them."
+        doubled = "1 frame has" if times.repeated == 1 else f"{times.repeated} frames have"
+        text = f"{doubled} the same time as the frame before."
         yield Finding("warning", text, "Store times with more digits, or remove doubled frames.")
+
+
+def _times_in_words(count: int) -> str:
+    return "once" if count == 1 else f"{count} times"
 
 
 def _exposure(check: DataCheck) -> Iterator[Finding]:
@@ -212,30 +218,37 @@ def _motion(check: DataCheck) -> Iterator[Finding]:
     fit = check.motion
     if fit is None:
         return
-    if fit.best_correlation >= 0.45 and fit.best_correlation - fit.correlation >= 0.25 and fit.best_lag_s:
-        when = "later" if fit.best_lag_s > 0 else "earlier"
+    opposed = min(fit.pitch or 0.0, fit.roll or 0.0)
+    # Swaying back and forth opposes itself half a period later, so the stronger explanation is told.
+    if opposed <= -0.35 and -opposed > fit.best_correlation:
+        angle = "pitch" if opposed == fit.pitch else "roll"
         yield Finding(
             "warning",
-            f"The images move as the attitude of {abs(fit.best_lag_s):.2f} s {when} says "
-            f"(correlation {fit.best_correlation:.2f} in place of {fit.correlation:.2f}).",
-            f"The clocks seem apart: {'add' if fit.best_lag_s > 0 else 'take'} {abs(fit.best_lag_s):.2f} s "
-            f"{'to' if fit.best_lag_s > 0 else 'from'} the images' times.",
-            "images and attitude do not belong to the same time",
-        )
-    elif min(fit.pitch or 0.0, fit.roll or 0.0) <= -0.35:
-        angle = "pitch" if (fit.pitch or 0.0) < (fit.roll or 0.0) else "roll"
-        yield Finding(
-            "warning",
-            f"The images move against the attitude's {angle} "
-            f"(correlation {min(fit.pitch or 0.0, fit.roll or 0.0):.2f}).",
+            f"The images move against the attitude's {angle} (correlation {opposed:.2f}).",
             "Check the signs (pitch: nose up, roll: right side down), rotate_image and mount_rpy_deg.",
             f"the images move against the attitude's {angle}",
         )
+    elif fit.best_correlation >= 0.45 and fit.best_correlation - fit.correlation >= 0.25 and fit.best_lag_s:
+        yield _apart(fit)
     elif fit.correlation >= 0.3:
         yield Finding("ok", f"The images move as the attitude says (correlation {fit.correlation:.2f}).")
     elif abs(fit.correlation) < 0.15 and fit.pairs >= 50:
         text = f"The images do not move as the attitude says (correlation {fit.correlation:.2f})."
         yield Finding("warning", text, "Check that the log belongs to these images, its clock and its units.")
+
+
+def _apart(fit: MotionFit) -> Finding:
+    seconds = f"{abs(fit.best_lag_s):.2f} s"
+    when, change = (
+        ("later", f"add {seconds} to") if fit.best_lag_s > 0 else ("earlier", f"take {seconds} from")
+    )
+    return Finding(
+        "warning",
+        f"The images move as the attitude of {seconds} {when} says "
+        f"(correlation {fit.best_correlation:.2f} in place of {fit.correlation:.2f}).",
+        f"The clocks seem apart: {change} the images' times.",
+        "images and attitude do not belong to the same time",
+    )
 
 
 def _rays(check: DataCheck) -> Iterator[Finding]:

@@ -114,7 +114,7 @@ def _steps_back_by_name(entries: Sequence[FrameEntry]) -> int:
 
 def camera_angles_deg(ups_cam: Floats) -> tuple[Floats, Floats]:
     """Roll (clockwise positive) and pitch of the optical axis (up positive), degrees, of (n, 3) up_cam."""
-    roll = np.arctan2(-ups_cam[:, 0], -ups_cam[:, 1])
+    roll = np.arctan2(0.0 - ups_cam[:, 0], 0.0 - ups_cam[:, 1])
     pitch = np.arcsin(np.clip(ups_cam[:, 2], -1.0, 1.0))
     return np.rad2deg(roll), np.rad2deg(pitch)
 

@@ -28,7 +28,7 @@ def evaluate(
         raise InputError(
             recording.name, "has no truth (labels/*.png)", "use `horizon-dl predict` for pictures"
         )
-    methods: dict[str, Method] = {"cnn": NetMethod(run.net, run.config.model.samples)}
+    methods: dict[str, Method] = {"cnn": NetMethod(run.net)}
     methods |= training_free_methods()
     frames = tqdm(store.frames(labelled), "evaluate", total=len(labelled), unit="frame", disable=not progress)
     found = score_frames(methods, {"cnn": run.threshold}, frames, run.config.labels.band_rad, on_frame)

@@ -50,11 +50,10 @@ class NetMethod:
     """A trained net with dropout at test time."""
 
     net: HorizonFCN
-    samples: int
 
     def score_maps(self, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
-        samples = sample_p_above(self.net, view.image, self.samples)
+        samples = sample_p_above(self.net, view.image)
         return score_maps(view, samples, single_pass_p_above(self.net, view.image))
 
 

@@ -31,10 +31,11 @@ class ScoredPixels:
     depression_rad: NDArray[np.float32]
 
 
-def scored_pixels(frame: Frame) -> ScoredPixels | None:
-    """Where a frame with attitude is scored; None without truth."""
+def scored_pixels(frame: Frame) -> ScoredPixels:
+    """Where a frame is scored: nowhere without truth or attitude."""
     if frame.truth is None or frame.up_cam is None:
-        return None
+        nowhere = np.zeros(frame.image.shape[:2], bool)
+        return ScoredPixels(nowhere, np.empty(0, bool), np.empty(0, np.float32))
     above_horizon = elevation(camera_rays(frame.camera).directions, frame.up_cam)
     mask = np.isin(frame.truth, (Truth.FLOOR, Truth.OBSTACLE)) & (above_horizon < 0)
     return ScoredPixels(mask, frame.truth[mask] == Truth.OBSTACLE, -above_horizon[mask])

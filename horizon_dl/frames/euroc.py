@@ -84,6 +84,7 @@ def up_in_body(root: Path, image_times_s: Floats) -> tuple[Path, list[Floats | N
     truth, imu = root / "state_groundtruth_estimate0" / "data.csv", root / "imu0" / "data.csv"
     if truth.is_file():
         samples = read_numbers(truth, 8)
+        samples = samples[np.linalg.norm(samples[:, 4:8], axis=-1) > 1e-6]
         times, quaternions = by_time(samples[:, 0] * NANOSECOND, samples[:, 4:8])
         check_overlap(truth, image_times_s, times)
         attitudes = (interpolate(times, quaternions, t, MAX_GAP_S) for t in image_times_s.tolist())
@@ -124,7 +125,8 @@ def _up_at(times_s: Floats, ups: Floats, time_s: float) -> Floats | None:
         return None
     index, fraction = place
     after = min(index + 1, len(ups) - 1)
-    return unit((1 - fraction) * ups[index] + fraction * ups[after])
+    up = (1 - fraction) * ups[index] + fraction * ups[after]
+    return unit(up) if np.linalg.norm(up) > 0.5 else None  # an IMU that gives zeros only has no up
 
 
 def _root(folder: Path) -> Path | None:

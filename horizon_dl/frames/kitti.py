@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 NAME = "kitti"
 NEEDS = "KITTI raw, <date>/<drive>/image_02/data and oxts, with calib_*.txt in <date>"
 CAMERA_HEIGHT_M = 1.65
+CALIBRATION = "calib_cam_to_cam.txt"
 FRAME_PERIOD_S = 0.1
 FRD_FROM_FLU = np.diag([1.0, -1.0, -1.0])
 
@@ -52,7 +53,9 @@ def read(folder: Path) -> Recording:
     drive = drives[0]
     images = images_in(drive / "image_02" / "data")
     times = frame_times(drive, images)
-    camera, cam_from_imu = calibration(drive.resolve().parent, images)
+    places = (drive, drive.absolute().parent)
+    with_calibration = (place for place in places if (place / CALIBRATION).is_file())
+    camera, cam_from_imu = calibration(next(with_calibration, places[1]))
     entries = [
         FrameEntry(
             name=relative_name(image, folder),
@@ -83,18 +86,20 @@ def up_of_frame(path: Path, cam_from_imu: Floats) -> Floats | None:
     return unit(cam_from_imu @ FRD_FROM_FLU @ down_from_body.T @ [0.0, 0.0, -1.0])
 
 
-def calibration(folder: Path, images: list[Path]) -> tuple[Camera, Floats]:
+def calibration(folder: Path) -> tuple[Camera, Floats]:
     """The rectified colour camera and the rotation from the IMU's axes into it."""
-    intrinsics = _read_calib(folder / "calib_cam_to_cam.txt")
-    path = folder / "calib_cam_to_cam.txt"
+    path = folder / CALIBRATION
+    intrinsics = _read_calib(path)
     projection = _field(path, intrinsics, "P_rect_02", 12).reshape(3, 4)
     width, height = _field(path, intrinsics, "S_rect_02", 2)
     # All rectified cameras share the axes of rectified camera 0; P_rect_02 only shifts the origin.
-    rectify = _field(path, intrinsics, "R_rect_00", 9).reshape(3, 3)
+    rectify = _rotation(path, intrinsics, "R_rect_00")
     cam_from_velo, velo_from_imu = (
-        _field(folder / name, _read_calib(folder / name), "R", 9).reshape(3, 3)
+        _rotation(folder / name, _read_calib(folder / name), "R")
         for name in ("calib_velo_to_cam.txt", "calib_imu_to_velo.txt")
     )
+    if min(width, height, projection[0, 0], projection[1, 1]) < 1:
+        raise InputError(path, "S_rect_02 or P_rect_02 is not positive", "copy the file again")
     camera = Camera(
         "pinhole",
         int(width),
@@ -144,3 +149,10 @@ def _field(path: Path, fields: dict[str, str], name: str, count: int) -> Floats:
     if len(values) != count or not all(map(math.isfinite, values)):
         raise InputError(path, f"field '{name}' has no {count} numbers", "copy the file again")
     return np.array(values)
+
+
+def _rotation(path: Path, fields: dict[str, str], name: str) -> Floats:
+    matrix = _field(path, fields, name, 9).reshape(3, 3)
+    if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3):
+        raise InputError(path, f"field '{name}' is no rotation", "copy the file again")
+    return matrix

@@ -23,7 +23,6 @@ from horizon_dl.frames.parsing import (
     images_in,
     read_lines,
     read_table,
-    relative_name,
 )
 from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.calibration import read_calibration
@@ -47,7 +46,7 @@ def recognises(folder: Path) -> bool:
 
 def flights_in(folder: Path) -> list[tuple[Path, Path]]:
     """Pairs of image folder and log: the folder itself, or those directly below."""
-    places = [folder.resolve(), *(p for p in sorted(folder.glob("*")) if p.is_dir() and p.name != "labels")]
+    places = [folder.absolute(), *(p for p in sorted(folder.glob("*")) if p.is_dir() and p.name != "labels")]
     pairs = ((place, _log_of(place)) for place in places)
     return [(place, log) for place, log in pairs if log is not None and _images(place)]
 
@@ -79,7 +78,7 @@ def read(folder: Path) -> Recording:
         attitude = interpolate(times, quaternions, time_s, MAX_GAP_S)
         entries.append(
             FrameEntry(
-                name=relative_name(path.resolve(), place.parent.resolve()),
+                name=f"{place.name}/{path.name}",
                 time_s=time_s,
                 image_path=path,
                 up_cam=None if attitude is None else up_in_camera(attitude, calibration.mount_rpy_rad),

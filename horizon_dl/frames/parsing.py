@@ -112,8 +112,8 @@ def read_numbers(path: Path, columns: int) -> Floats:
 
 
 def by_time(times_s: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Samples sorted by time; those with a NaN or infinite number in them left out."""
-    good = np.isfinite(times_s) & np.isfinite(values.reshape(len(values), -1)).all(axis=-1)
+    """Samples (N,) and (N, k) sorted by time; those with a NaN or infinite number in them left out."""
+    good = np.isfinite(times_s) & np.isfinite(values).all(axis=-1)
     order = np.argsort(times_s[good], kind="stable")
     return times_s[good][order], values[good][order]
 

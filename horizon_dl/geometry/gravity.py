@@ -30,7 +30,7 @@ MAX_BIAS_RAD_S = 0.2
 def estimate_up(times_s: Floats, rates: Floats, accelerations: Floats) -> Floats:
     """The world's up as unit vectors in the IMU's axes.
 
-    Each sample uses the past only, but for the gyroscope's bias at the start: it is the mean rate of the first
+    Each sample uses the past only, but for the gyroscope's bias at the start: the mean rate of the first
     second if the IMU stands still then, else what a first pass over all samples ends with.
 
     Args:

@@ -38,7 +38,7 @@ class OnlineLearner:
 
     def p_above_samples(self, view: View) -> Map:
         """`p_above` under each dropout mask, (samples, h, w) in [0, 1]."""
-        return sample_p_above(self.net, view.image, self.config.model.samples)
+        return sample_p_above(self.net, view.image)
 
     def single_pass(self, view: View) -> Map:
         """`p_above` without dropout, (1, h, w) in [0, 1]."""

@@ -48,7 +48,7 @@ Item = tuple[View, NDArray[np.uint8] | None] | FrameError
 
 def predict(run: Run, view: View, truth: NDArray[np.uint8] | None = None) -> Prediction:
     """Measures and obstacle map of one view."""
-    samples = sample_p_above(run.net, view.image, run.config.model.samples)
+    samples = sample_p_above(run.net, view.image)
     found = measures(samples, view.elevation > 0)
     return Prediction(view, found, obstacle_map(found.entropy, run.threshold), truth)
 

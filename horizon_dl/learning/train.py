@@ -7,12 +7,14 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import lightning
 import numpy as np
 import torch
 from lightning.pytorch.loggers import TensorBoardLogger
 from torch.utils.data import DataLoader
+from tqdm import tqdm
 
 from horizon_dl.config import Config
 from horizon_dl.frames.frame import Recording
@@ -60,13 +62,31 @@ def train_net(
             devices=1,
             logger=TensorBoardLogger(log_dir, name="", version="") if log_dir else False,
             log_every_n_steps=10,
-            enable_progress_bar=progress,
+            enable_progress_bar=False,
+            callbacks=[StepBar()] if progress else [],
             enable_model_summary=False,
             enable_checkpointing=False,
             gradient_clip_val=1.0,
         )
         trainer.fit(module, DataLoader(CropStream(pool, config.train, rng), batch_size=None))
     return module.net.eval().cpu()
+
+
+class StepBar(lightning.Callback):
+    """A progress bar over training steps, on standard error as all the others."""
+
+    def on_train_start(self, trainer: lightning.Trainer, _: lightning.LightningModule) -> None:
+        """Open the bar."""
+        self._bar = tqdm(total=trainer.max_steps, desc="train", unit="step")
+
+    def on_train_batch_end(self, trainer: lightning.Trainer, *_: Any) -> None:
+        """One step on, with the loss of this step."""
+        self._bar.set_postfix(loss=f"{trainer.callback_metrics['loss']:.3f}", refresh=False)
+        self._bar.update()
+
+    def on_train_end(self, *_: Any) -> None:
+        """Close the bar."""
+        self._bar.close()
 
 
 def train_run(
@@ -95,7 +115,7 @@ def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]
     """The paper's threshold, bits: a percentile of the entropies of at most 50 evenly spread training frames."""
     config = store.config
     entropies = (
-        binary_entropy(sample_p_above(net, view.image, config.model.samples).mean(axis=0))[
+        binary_entropy(sample_p_above(net, view.image).mean(axis=0))[
             ~np.isnan(view.elevation)
         ]
         for view in store.views(evenly(indices, THRESHOLD_FRAMES))

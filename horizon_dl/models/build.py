@@ -14,7 +14,7 @@ def build_net(config: ModelConfig) -> HorizonFCN:
     receptive field is of no use here; they start from random weights, nothing is downloaded.
     """
     encoder, features = _ENCODERS[config.kind](config.channels)
-    return HorizonFCN(encoder, features, config.dropout)
+    return HorizonFCN(encoder, features, config.dropout, config.samples)
 
 
 def parameter_count(net: nn.Module) -> int:

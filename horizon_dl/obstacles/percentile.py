@@ -29,6 +29,8 @@ class RunningPercentile:
 
     def value(self) -> float:
         """The percentile, interpolated within its bin; 0 before any score."""
+        if not self._counts.any():
+            return 0.0
         share = self.percentile / 100 * self._counts.sum()
         cumulated = np.concatenate([[0], np.cumsum(self._counts)])
         return float(np.interp(share, cumulated, np.linspace(0.0, 1.0, BINS + 1)))

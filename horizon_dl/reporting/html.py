@@ -38,7 +38,7 @@ def write_report(path: Path, title: str, sections: Sequence[Section], subtitle: 
     """Writes the report as one HTML file.
 
     Example:
-        >>> sections = [Heading("Scores"), Table(["method", "AUC"], [["CNN", "0.93"]])]
+        >>> sections = [Heading("Scores"), Text("One method, one figure.")]  # doctest: +SKIP
         >>> write_report(Path("out/index.html"), "Arena", sections)  # doctest: +SKIP
     """
     write_text(path, report_html(title, sections, subtitle))

@@ -1,20 +1,21 @@
 """A drone's flight through an arena: smooth path with clearance, heading, tilt from acceleration."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.errors import InputError
-from horizon_dl.simulation.layout import Arena
+from horizon_dl.simulation.layout import Arena, draw_arena
 
 RATE_HZ = 200.0
 CLEARANCE_M = 0.7  # kept to every wall and solid, at any height
-LEG_CLEARANCE_M = 0.85  # kept by the straight legs, before their corners are rounded
-WALL_CLEARANCE_M = 1.6  # of the corners of the path, so that the view is seldom one bare wall
+LEG_CLEARANCE_M = 0.85  # of the straight legs, before their corners are rounded
+CORNER_CLEARANCE_M = 1.2  # of the corners: rounding moves the path inwards by up to 0.45 m
+WALL_CLEARANCE_M = 1.6  # of the corners to the walls, so that the view is seldom one bare wall
+ROUNDING_S = 0.3
 HEIGHT_M = (0.6, 2.5)
 GRAVITY = 9.81
-_ATTEMPTS = 200
+_ATTEMPTS = 20
 
 Floats = NDArray[np.float64]
 
@@ -68,16 +69,17 @@ def _room(arena: Arena) -> Floats:
 def _next_waypoint(rng: np.random.Generator, arena: Arena, trail: list[Floats]) -> Floats | None:
     """A free point in sight of the last one, away from where the flight has been, no sharp turn back."""
     half = _room(arena)
+    candidates = rng.uniform(-half, half, (120, 2))
     best, best_score = None, -np.inf
-    for candidate in rng.uniform(-half, half, (80, 2)):
+    for candidate in candidates[arena.clearance(candidates) >= CORNER_CLEARANCE_M]:
         leg = candidate - trail[-1]
         length = float(np.hypot(*leg))
-        if not 2.0 <= length <= 7.0 or not _leg_is_free(arena, trail[-1], candidate):
+        if not 1.8 <= length <= 7.0 or not _leg_is_free(arena, trail[-1], candidate):
             continue
         before = trail[-1] - trail[-2] if len(trail) > 1 else leg
         turn = np.arccos(np.clip(leg @ before / (length * np.hypot(*before)), -1, 1))
         nearest = min(float(np.hypot(*(candidate - seen))) for seen in trail[-8:])
-        score = nearest - 3.0 * max(0.0, turn - 1.9) + rng.uniform(0, 1.5)
+        score = nearest - 4.0 * max(0.0, turn - 1.4) + rng.uniform(0, 1.5)
         if score > best_score:
             best, best_score = candidate, score
     return best
@@ -86,14 +88,16 @@ def _next_waypoint(rng: np.random.Generator, arena: Arena, trail: list[Floats]) 
 def _legs(rng: np.random.Generator, arena: Arena, length_m: float) -> Floats | None:
     half = _room(arena)
     starts = rng.uniform(-half, half, (200, 2))
-    free = starts[arena.clearance(starts) > 1.2]
+    free = starts[arena.clearance(starts) >= CORNER_CLEARANCE_M]
     if not len(free):
         return None
     trail, done = [free[0]], 0.0
     while done < length_m:
         point = _next_waypoint(rng, arena, trail)
-        if point is None:
+        if point is None and len(trail) < 2:
             return None
+        if point is None:  # a dead end: back to where it came from
+            point = trail[-2]
         done += float(np.hypot(*(point - trail[-1])))
         trail.append(point)
     return np.array(trail)
@@ -107,10 +111,10 @@ def _along(legs: Floats, travelled_m: Floats) -> Floats:
 
 def _heading(rng: np.random.Generator, velocity: Floats) -> Floats:
     """Yaw (N,): where it flies, looking about by 20 degrees; continuous."""
-    direction = _smooth(velocity, 0.25)
+    direction = _smooth(velocity, 0.4)
     yaw = np.unwrap(np.arctan2(-direction[:, 1], direction[:, 0]))
-    yaw += np.deg2rad(20) * _wander(rng, len(yaw), 1.2)[:, 0]
-    return _smooth(yaw[:, None], 0.45)[:, 0]
+    yaw += np.deg2rad(20) * _wander(rng, len(yaw), 1.0)[:, 0]
+    return _smooth(yaw[:, None], 0.8)[:, 0]
 
 
 def _tilt(rng: np.random.Generator, acceleration: Floats, yaw: Floats) -> tuple[Floats, Floats]:
@@ -130,20 +134,16 @@ def _heights(rng: np.random.Generator, count: int) -> Floats:
     return (low + high) / 2 + (high - low) / 2 * 0.98 * swing
 
 
-def plan_flight(rng: np.random.Generator, arena: Arena, duration_s: float) -> Flight:
-    """A random flight of about 1.2 m/s that keeps `CLEARANCE_M` to everything.
-
-    Raises:
-        InputError: the arena leaves no room for it.
-    """
+def plan_flight(rng: np.random.Generator, arena: Arena, duration_s: float) -> Flight | None:
+    """A random flight of about 1.2 m/s that keeps `CLEARANCE_M` to everything; None if there is no room."""
     count = int(duration_s * RATE_HZ) + 2
     for _ in range(_ATTEMPTS):
-        speed = 1.25 * (1 + 0.35 * np.clip(_wander(rng, count, 0.8)[:, 0], -2, 2))
+        speed = 1.25 * (1 + 0.35 * np.clip(_wander(rng, count, 0.8)[:, 0], -1.3, 1.3))
         travelled = np.cumsum(speed) / RATE_HZ
         legs = _legs(rng, arena, float(travelled[-1]))
         if legs is None:
             continue
-        path = _smooth(_along(legs, travelled), 0.35)
+        path = _smooth(_along(legs, travelled), ROUNDING_S)
         if arena.clearance(path).min() < CLEARANCE_M:
             continue
         velocity = np.gradient(path, 1 / RATE_HZ, axis=0)
@@ -151,4 +151,16 @@ def plan_flight(rng: np.random.Generator, arena: Arena, duration_s: float) -> Fl
         roll, pitch = _tilt(rng, np.gradient(velocity, 1 / RATE_HZ, axis=0), yaw)
         place = np.column_stack((path, _heights(rng, count)))
         return Flight(place, np.column_stack((roll, pitch, yaw)))
-    raise InputError("simulation", "no flight fits into this arena", "take another --seed or fewer frames")
+    return None
+
+
+def plan_arena_and_flight(
+    world: np.random.Generator, path: np.random.Generator, duration_s: float
+) -> tuple[Arena, Flight]:
+    """A random arena with a flight through it; solids are taken out, the last first, until one fits."""
+    arena = draw_arena(world)
+    while True:
+        flight = plan_flight(path, arena, duration_s)
+        if flight is not None:
+            return arena, flight
+        arena = replace(arena, solids=arena.solids[:-1])

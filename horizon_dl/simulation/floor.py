@@ -26,12 +26,13 @@ def _carpets(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Pictur
     index = np.where(np.abs(y) > border, (index[:, None] + 1) % 3, index[:, None])
     tones = np.array([_carpet_tone(rng, style) for style in rng.permutation(4)[:3]])
     chosen = np.take_along_axis(tones, index[None], axis=0)[0]
-    return colours[index] * chosen[..., None]
+    return np.asarray(colours[index] * chosen[..., None], np.float32)
 
 
 def _carpet_tone(rng: np.random.Generator, style: int) -> Picture:
     """Factor of one carpet: worn pile, speckles, carpet tiles laid crosswise, or blotches."""
-    tone = 1 + 0.25 * fractal_noise(rng, SIZE, SIZE, (9, 9), 6) + 0.10 * rng.standard_normal((SIZE, SIZE), dtype=np.float32)
+    fibres = 0.10 * rng.standard_normal((SIZE, SIZE), dtype=np.float32)
+    tone = 1 + fibres + 0.25 * fractal_noise(rng, SIZE, SIZE, (9, 9), 6)
     if style == 1:
         tone += 0.5 * (value_noise(rng, SIZE, SIZE, (SIZE // 3, SIZE // 3)) > 0.85)
     elif style == 2:
@@ -84,7 +85,7 @@ def _add_lines(rng: np.random.Generator, picture: Picture, arena: Arena, x: Grid
 def _light(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
     """Factor of the lamps' unevenness and of the shade at the foot of solids and walls."""
     light = 1 + 0.45 * fractal_noise(rng, SIZE, SIZE, (2, 2), 2)
-    points = np.stack((x[::8, ::8].ravel(), y[::8, ::8].ravel()), axis=1)
+    points = np.stack((x[::8, ::8].ravel(), y[::8, ::8].ravel()), axis=1).astype(np.float64)
     near = arena.clearance(points).reshape(SIZE // 8, SIZE // 8)
     shadow = 0.45 * np.exp(-np.maximum(near, 0) / 0.22)
     return light * (1 - np.kron(shadow, np.ones((8, 8)))).astype(np.float32)

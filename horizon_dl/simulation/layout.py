@@ -11,6 +11,9 @@ from horizon_dl.simulation.surfaces import PALETTE
 GAP_M = 1.5  # between any two solids, and from a solid to a wall: the flight has to fit through
 
 
+FLOOR_COLOURS = ("green", "blue", "charcoal", "grey", "beige", "brown")
+
+
 @dataclass(frozen=True)
 class Solid:
     """An upright box or pole on the floor.
@@ -39,11 +42,11 @@ class Solid:
         """Horizontal distance in metres of points (N, 2) to the solid's outline; 0 inside."""
         offset = points - (self.x, self.y)
         if self.kind == "pole":
-            return np.maximum(np.hypot(*offset.T) - self.half_x, 0)
+            return np.asarray(np.maximum(np.hypot(*offset.T) - self.half_x, 0))
         c, s = np.cos(self.turn_rad), np.sin(self.turn_rad)
         along = np.abs(offset @ (c, s)) - self.half_x
         across = np.abs(offset @ (-s, c)) - self.half_y
-        return np.hypot(np.maximum(along, 0), np.maximum(across, 0))
+        return np.asarray(np.hypot(np.maximum(along, 0), np.maximum(across, 0)))
 
     @property
     def reach_m(self) -> float:
@@ -66,7 +69,7 @@ class Arena:
         """Horizontal distance in metres of points (N, 2) to the nearest wall or solid; negative outside."""
         half = np.array((self.length_m / 2, self.width_m / 2))
         distances = [(half - np.abs(points)).min(axis=1), *(s.distance(points) for s in self.solids)]
-        return np.min(distances, axis=0)
+        return np.asarray(np.min(distances, axis=0))
 
 
 def _pick(rng: np.random.Generator, names: Sequence[str]) -> str:
@@ -102,7 +105,7 @@ def draw_arena(rng: np.random.Generator) -> Arena:
     One solid in three takes a colour of the floor, so that colour alone does not tell them apart.
     """
     names = list(PALETTE)
-    floor = tuple(str(n) for n in rng.choice(["green", "blue", "charcoal", "grey", "beige", "brown"], 3, False))
+    floor = tuple(str(name) for name in rng.choice(FLOOR_COLOURS, 3, replace=False))
     arena = Arena(
         length_m=float(rng.uniform(11, 16)),
         width_m=float(rng.uniform(10, 14)),

@@ -28,11 +28,14 @@ def _tube(tube: Tube) -> str:
 
 
 def _assets(scene: Scene) -> list[str]:
-    lines = ['<texture type="skybox" builtin="gradient" rgb1=".42 .58 .80" rgb2=".80 .83 .85" width="64" height="384"/>']
+    lines = [
+        '<texture type="skybox" builtin="gradient" rgb1=".42 .58 .80" rgb2=".80 .83 .85" '
+        'width="64" height="384"/>'
+    ]
     for index, texture in enumerate(scene.textures):
         height, width = texture.shape[:2]
         lines.append(f'<texture name="t{index}" type="2d" builtin="flat" width="{width}" height="{height}"/>')
-        lines.append(f'<material name="m{index}" texture="t{index}" specular="0" shininess="0" reflectance="0"/>')
+        lines.append(f'<material name="m{index}" texture="t{index}" specular="0" shininess="0"/>')
     return lines
 
 

@@ -30,8 +30,7 @@ def value_noise(rng: np.random.Generator, height: int, width: int, cells: tuple[
     top, bottom, down = _lattice(height, cells[0])
     left, right, across = _lattice(width, cells[1])
     rows = grid[top] * (1 - down[:, None]) + grid[bottom] * down[:, None]
-    field: Field = rows[:, left] * (1 - across) + rows[:, right] * across
-    return field
+    return np.asarray(rows[:, left] * (1 - across) + rows[:, right] * across, np.float32)
 
 
 def fractal_noise(
@@ -42,7 +41,7 @@ def fractal_noise(
     Returns:
         (height, width) float32, about -1 to 1.
     """
-    total = np.zeros((height, width), np.float32)
+    total: Field = np.zeros((height, width), np.float32)
     for octave in range(octaves):
         fine = (min(cells[0] << octave, height), min(cells[1] << octave, width))
         total += (value_noise(rng, height, width, fine) - 0.5) * 0.5**octave

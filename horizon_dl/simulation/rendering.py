@@ -35,7 +35,7 @@ def choose_backend() -> str:
     for name, libraries in _BACKENDS.items():
         if all(_loads(library) for library in libraries):
             return name
-    raise InputError("simulation", "no OpenGL for rendering without a screen (neither EGL nor OSMesa)", _WAY_OUT)
+    raise InputError("simulation", "no OpenGL that works without a screen (EGL, OSMesa)", _WAY_OUT)
 
 
 def import_mujoco() -> Any:
@@ -115,9 +115,7 @@ class SceneRenderer:
         self._data.cam_xpos[0] = place
         self._data.cam_xmat[0] = (axes * (1.0, -1.0, -1.0)).ravel()  # OpenGL looks along -z with y up
         everything = mj.mjtCatBit.mjCAT_ALL
-        mj.mjv_updateScene(
-            self._model, self._data, self._option, None, self._camera, everything, self._mjv
-        )
+        mj.mjv_updateScene(self._model, self._data, self._option, None, self._camera, everything, self._mjv)
         for flag in (mj.mjtRndFlag.mjRND_SEGMENT, mj.mjtRndFlag.mjRND_IDCOLOR):
             self._mjv.flags[flag] = identities
         mj.mjr_render(self._rect, self._mjv, self._context)

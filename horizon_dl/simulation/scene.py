@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,7 +89,7 @@ def _pole_tubes(rng: np.random.Generator, solid: Solid) -> Iterator[Tube]:
     bands = int(rng.choice((1, 1, 2, 5)))
     other = list(PALETTE.values())[rng.integers(len(PALETTE))]
     edges = np.concatenate(([0.0], np.linspace(rng.uniform(0.05, 0.3), solid.height_m, bands + 1)))
-    for index, (low, high) in enumerate(zip(edges[:-1], edges[1:], strict=True)):
+    for index, (low, high) in enumerate(pairwise(edges)):
         colour = (0.12, 0.12, 0.13) if index == 0 else (PALETTE[solid.colour], other)[(index - 1) % 2]
         yield Tube((solid.x, solid.y, float(low + high) / 2), solid.half_x, float(high - low) / 2, colour)
 
@@ -101,7 +102,7 @@ def _wall_faces(rng: np.random.Generator, arena: Arena, textures: list[Texture])
         span = arena.width_m if side % 2 == 0 else arena.length_m
         cuts = np.array((0.0, *np.sort(rng.uniform(0.2, 0.8, rng.integers(1, 3))), 1.0)) * span - span / 2
         c, s = float(np.cos(turn)), float(np.sin(turn))
-        for low, high in zip(cuts[:-1], cuts[1:], strict=True):
+        for low, high in pairwise(cuts):
             centre, half = float(low + high) / 2, float(high - low) / 2
             textures.append(_surface(rng, WALL_SURFACES, _wall_colour(rng, arena), (256, 512)))
             place = (c * out - s * centre, s * out + c * centre, arena.wall_m / 2)
@@ -134,7 +135,7 @@ def _wall_colour(rng: np.random.Generator, arena: Arena) -> str:
 def _surface(
     rng: np.random.Generator, painters: Sequence[Painter], colour: str, size: tuple[int, int]
 ) -> Texture:
-    painter = painters[rng.integers(len(painters))]
+    painter = painters[int(rng.integers(len(painters)))]
     tint = np.asarray(PALETTE[colour]) * rng.uniform(0.8, 1.2)
     picture = painter(rng, (float(tint[0]), float(tint[1]), float(tint[2])), *size)
     gradient = np.linspace(rng.uniform(0.9, 1.15), rng.uniform(0.7, 1.0), size[0], dtype=np.float32)

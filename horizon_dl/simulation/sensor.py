@@ -43,7 +43,7 @@ def vignette(height: int, width: int) -> Light:
 def to_linear(pictures: list[NDArray[np.uint8]]) -> Light:
     """Mean of sRGB pictures in linear light: (h, w, 3) in [0, 1]."""
     table = ((np.arange(256) / 255.0) ** GAMMA / len(pictures)).astype(np.float32)
-    return np.sum([table[picture] for picture in pictures], axis=0, dtype=np.float32)
+    return np.asarray(np.sum([table[picture] for picture in pictures], axis=0), np.float32)
 
 
 def develop(
@@ -67,7 +67,7 @@ def develop(
     blotches = coarse.repeat(4, axis=0).repeat(4, axis=1)[: linear.shape[0], : linear.shape[1]]
     grain = root * (0.022 * _normal(rng, light.shape) + blotches) + 0.0035 * _normal(rng, light.shape)
     level = np.clip(light + np.float32(noise) * grain, 0, 1) * 4095
-    return _TONE_CURVE[level.astype(np.uint16)]
+    return np.asarray(_TONE_CURVE[level.astype(np.uint16)])
 
 
 def _normal(rng: np.random.Generator, shape: tuple[int, ...]) -> Light:

@@ -90,7 +90,8 @@ def corrugated(rng: np.random.Generator, colour: Colour, height: int, width: int
     ridges = np.sin(2 * np.pi * np.linspace(0, max(width // 12, 4), width, dtype=np.float32))[None, :]
     rust = np.clip(3 * fractal_noise(rng, height, width, (2, 16), 5), 0, 1)[..., None]
     sheet = shade(colour, np.broadcast_to(0.85 + 0.2 * ridges, (height, width)))
-    return sheet * (1 - 0.6 * rust) + 0.6 * rust * np.asarray((0.40, 0.22, 0.12), np.float32)
+    red = np.asarray((0.40, 0.22, 0.12), np.float32)
+    return np.asarray(sheet * (1 - 0.6 * rust) + 0.6 * rust * red, np.float32)
 
 
 def cardboard(rng: np.random.Generator, colour: Colour, height: int, width: int) -> NDArray[np.float32]:
@@ -105,7 +106,7 @@ def cardboard(rng: np.random.Generator, colour: Colour, height: int, width: int)
 
 def stripes(rng: np.random.Generator, colour: Colour, height: int, width: int) -> NDArray[np.float32]:
     """A printed board: slanting bands of two tones."""
-    v, u = np.mgrid[0:1 : height * 1j, 0:1 : width * 1j]
+    v, u = np.mgrid[0 : 1 : height * 1j, 0 : 1 : width * 1j]
     bands = (rng.uniform(4, 8) * u + rng.uniform(-3, 3) * v) % 1 < 0.5
     other = list(PALETTE.values())[rng.integers(len(PALETTE))]
     dirt = 1 + 0.15 * fractal_noise(rng, height, width, (4, 4), 5)

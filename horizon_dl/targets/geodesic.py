@@ -83,6 +83,6 @@ def lab_gradient(image: NDArray[np.uint8], sigma_px: float) -> NDArray[np.float3
     """Size of the colour gradient, CIE Lab units per pixel: (h, w) float32 from an (h, w, 3) uint8 image."""
     lab = rgb2lab(image.astype(np.float32) / 255.0)
     smooth = ndimage.gaussian_filter(lab, (sigma_px, sigma_px, 0.0))
-    down, right = np.gradient(smooth, axis=(0, 1))
+    down, right = (ndimage.correlate1d(smooth, (-0.5, 0.0, 0.5), axis, mode="nearest") for axis in (0, 1))
     slope: NDArray[np.float32] = np.sqrt((down**2 + right**2).sum(axis=-1))
     return slope

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from horizon_dl.evaluation.data_check import DataCheck
+from horizon_dl.evaluation.check_result import DataCheck
 from horizon_dl.geometry.view import View
 from horizon_dl.reporting.cells import resize_image, resize_map
 from horizon_dl.reporting.colours import Image

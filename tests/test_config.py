@@ -1,0 +1,56 @@
+from pathlib import Path
+
+import pytest
+import yaml
+
+from horizon_dl.config import Config, builtin_configs, load_config, save_config
+from horizon_dl.errors import InputError
+
+
+def test_the_default_file_lists_every_value_and_agrees_with_the_code():
+    written = yaml.safe_load((Path(__file__).parent.parent / "configs" / "default.yaml").read_text())
+    assert written == Config().model_dump(mode="json")
+
+
+def test_every_builtin_config_loads():
+    assert "default" in builtin_configs()
+    for name in builtin_configs():
+        load_config(name)
+
+
+def test_overrides_go_on_top_and_survive_a_round_trip(tmp_path):
+    config = load_config(None, ["train.steps=7", "target.kind=guided", "model.dropout=0.5"])
+    assert (config.train.steps, config.target.kind, config.model.dropout) == (7, "guided", 0.5)
+    save_config(config, tmp_path / "c.yaml")
+    assert load_config(tmp_path / "c.yaml") == config
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("train.stepz=7", "has no key 'train.stepz'"),
+        ("train.steps=0", "train.steps = 0"),
+        ("train.steps=many", "train.steps = 'many'"),
+        ("target.kind=soft", "target.kind = 'soft'"),
+        ("seed.x=1", "'seed' is a value"),
+    ],
+)
+def test_a_wrong_value_is_named(override, words):
+    with pytest.raises(InputError, match="; ") as error:
+        load_config(None, [override])
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("text", ["a: [1", "- 1\n- 2\n", "nonsense: 1"])
+def test_a_wrong_file_is_named(tmp_path, text):
+    (tmp_path / "c.yaml").write_text(text)
+    with pytest.raises(InputError, match="c.yaml"):
+        load_config(tmp_path / "c.yaml")
+
+
+def test_unknown_names_and_missing_files():
+    with pytest.raises(InputError, match="no built-in config"):
+        load_config("nothing")
+    with pytest.raises(InputError, match="cannot be read"):
+        load_config("nothing.yaml")

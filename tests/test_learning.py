@@ -1,0 +1,175 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from toy import write_toy_set
+
+from horizon_dl.config import load_config
+from horizon_dl.errors import InputError
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.learning.crops import TrainingFrame, draw_batch, training_frame
+from horizon_dl.learning.memory import ReplayMemory
+from horizon_dl.learning.module import horizon_loss
+from horizon_dl.learning.online import OnlineLearner
+from horizon_dl.learning.run import load_run, save_run
+from horizon_dl.learning.store import FramePool, FrameStore
+from horizon_dl.learning.train import train_net, train_run
+from horizon_dl.uncertainty.dropout import single_pass_p_above
+
+SMALL = ["train.steps=12", "train.batch=4", "train.crop=32", "online.batch=4", "online.steps_per_frame=2"]
+
+
+@pytest.fixture(scope="module")
+def config():
+    return load_config(None, SMALL)
+
+
+@pytest.fixture(scope="module")
+def toy(tmp_path_factory):
+    return open_recording(write_toy_set(tmp_path_factory.mktemp("toy") / "set"))
+
+
+def frame_of(value: int, shape=(40, 50)) -> TrainingFrame:
+    image = np.full((*shape, 3), value, np.uint8)
+    return TrainingFrame(image, np.full(shape, value / 255, np.float16), np.ones(shape, bool))
+
+
+def test_the_loss_is_the_cross_entropy_of_the_pixels_that_count():
+    rng = np.random.default_rng(0)
+    logits, targets = rng.normal(size=(2, 1, 4, 4)), rng.random((2, 1, 4, 4))
+    weights = rng.random((2, 1, 4, 4)) < 0.5
+    p = 1 / (1 + np.exp(-logits))
+    expected = -(targets * np.log(p) + (1 - targets) * np.log(1 - p))[weights].mean()
+    batch = draw_batch([frame_of(0)], 8, rng)._replace(
+        targets=torch.from_numpy(targets), weights=torch.from_numpy(weights.astype(float))
+    )
+    assert float(horizon_loss(torch.from_numpy(logits), batch)) == pytest.approx(expected, rel=1e-6)
+
+
+def test_crops_keep_image_target_and_mask_together():
+    rng = np.random.default_rng(0)
+    gradient = rng.integers(0, 256, (40, 50)).astype(np.uint8)
+    frame = TrainingFrame(
+        np.repeat(gradient[..., None], 3, 2), (gradient / 255).astype(np.float16), gradient > 128
+    )
+    batch = draw_batch([frame] * 6, 16, rng)
+    assert batch.images.shape == (6, 3, 16, 16)
+    assert torch.allclose(batch.images[:, :1], batch.targets, atol=1e-3)
+    assert torch.equal(batch.weights > 0, batch.images[:, :1] > 128.5 / 255)
+
+
+def test_crops_shrink_to_small_frames():
+    assert draw_batch([frame_of(1)], 96, np.random.default_rng(0)).images.shape == (1, 3, 40, 50)
+
+
+def test_pixels_in_the_band_do_not_count(toy, config):
+    view = next(FrameStore(toy, config).views([0]))
+    frame = training_frame(view, config)
+    near = np.abs(view.elevation) < config.labels.band_rad
+    assert near.any()
+    assert np.array_equal(frame.counts, ~near)
+
+
+def test_replay_is_bounded_and_uniform():
+    frame = frame_of(0)
+    limit = 10 * frame.nbytes / 2**20
+    kept = np.zeros(100)
+    for seed in range(300):
+        memory = ReplayMemory(limit, np.random.default_rng(seed))
+        for value in range(100):
+            memory.add(frame_of(value))
+        assert memory.nbytes <= limit * 2**20
+        assert len(memory.frames) == 10
+        kept[[int(held.image[0, 0, 0]) for held in memory.frames]] += 1
+    # Each frame is kept with probability 0.1: 30 +- 5.2 times.
+    assert abs(kept[:50].mean() - kept[50:].mean()) < 4
+    assert kept.max() < 60
+
+
+def test_a_pool_too_small_for_the_set_exchanges_its_frames(toy, config):
+    store = FrameStore(toy, config)
+    rng = np.random.default_rng(0)
+    whole = FramePool(store, range(24), memory_mb=64, rng=rng)
+    assert whole.complete
+    assert len(whole.frames) == 24
+    bytes_mb = whole.frames[0].nbytes / 2**20
+    tight = FramePool(store, range(24), memory_mb=4 * bytes_mb, rng=rng)
+    assert not tight.complete
+    size = len(tight.frames)
+    seen = {id(frame) for _ in range(40) for frame in tight.draw(2)}
+    assert len(tight.frames) == size
+    assert len(seen) > size
+
+
+def test_training_repeats_to_the_bit(toy, config):
+    store = FrameStore(toy, config)
+    first, second = (train_net(store, range(20), seed=3) for _ in range(2))
+    for a, b in zip(first.state_dict().values(), second.state_dict().values(), strict=True):
+        assert torch.equal(a, b)
+    other = train_net(store, range(20), seed=4)
+    assert not torch.equal(first.state_dict()["classifier.weight"], other.state_dict()["classifier.weight"])
+
+
+def test_training_does_not_touch_the_global_random_state(toy, config):
+    state = torch.get_rng_state()
+    train_net(FrameStore(toy, config), range(20), seed=3)
+    assert torch.equal(state, torch.get_rng_state())
+
+
+@pytest.mark.slow
+def test_the_net_learns_the_toy_horizon(toy):
+    config = load_config(None, ["train.steps=60", "train.batch=8", "train.crop=48"])
+    store = FrameStore(toy, config)
+    net = train_net(store, range(20), seed=0)
+    view = next(store.views([22]))
+    right = (single_pass_p_above(net, view.image)[0] > 0.5) == (view.elevation > 0)
+    assert right.mean() > 0.85
+
+
+def test_online_learning_lowers_the_loss(toy, config):
+    learner = OnlineLearner(config, seed=0)
+    store = FrameStore(toy, config)
+    losses = [learner.learn(view) for view in store.views(range(24))]
+    assert np.mean(losses[-6:]) < 0.8 * np.mean(losses[:3])
+
+
+def test_a_run_comes_back_as_it_was_saved(toy, config, tmp_path):
+    run = train_run(toy, config)
+    save_run(tmp_path, run)
+    loaded = load_run(tmp_path)
+    image = next(FrameStore(toy, config).views([0])).image
+    assert np.array_equal(single_pass_p_above(loaded.net, image), single_pass_p_above(run.net, image))
+    assert loaded.config == config
+    assert loaded.threshold == pytest.approx(run.threshold)
+    assert 0 < run.threshold < 1
+
+
+def test_a_damaged_run_is_named(toy, config, tmp_path):
+    save_run(tmp_path, train_run(toy, config))
+    weights = (tmp_path / "weights.safetensors").read_bytes()
+    (tmp_path / "weights.safetensors").write_bytes(weights[: len(weights) // 2])
+    with pytest.raises(InputError, match=r"weights\.safetensors"):
+        load_run(tmp_path)
+    (tmp_path / "weights.safetensors").unlink()
+    with pytest.raises(InputError, match=r"lacks weights\.safetensors"):
+        load_run(tmp_path)
+    with pytest.raises(InputError, match="is no run folder"):
+        load_run(tmp_path / "nothing")
+
+
+def test_unreadable_frames_are_skipped_until_they_are_too_many(toy, config):
+    def broken(count: int):
+        entries = [
+            replace(entry, image_path=entry.image_path.with_name("gone.png")) if index < count else entry
+            for index, entry in enumerate(toy.entries)
+        ]
+        return FrameStore(replace(toy, entries=entries), config)
+
+    few = broken(2)
+    assert len(list(few.views(range(23, -1, -1)))) == 22
+    assert len(few.skipped) == 2
+    with pytest.raises(InputError, match="frames cannot be used"):
+        list(broken(12).views(range(24)))
+    with pytest.raises(InputError, match="4 of 4"):
+        list(broken(4).views(range(4)))

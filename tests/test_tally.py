@@ -1,0 +1,78 @@
+import numpy as np
+import pytest
+
+from horizon_dl.evaluation.metrics import mean_and_spread, method_metrics
+from horizon_dl.evaluation.tally import Confusion, ScoredPixels, Tally, enlarged, scored_pixels
+from horizon_dl.frames.frame import Frame
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.view import View
+
+CAMERA = Camera("pinhole", 8, 8, 8.0, 8.0, 3.5, 3.5)
+
+
+def frame_with(truth):
+    image = np.zeros((8, 8, 3), np.uint8)
+    return Frame("a", 0.0, image, CAMERA, np.array([0.0, -1.0, 0.0]), None, truth)
+
+
+def test_only_labelled_pixels_below_the_horizon_are_scored():
+    truth = np.full((8, 8), 1, np.uint8)
+    truth[:, 0] = 2
+    truth[:, 1] = 3
+    truth[:, 2] = 0
+    pixels = scored_pixels(frame_with(truth))
+    assert pixels.mask.sum() == 4 * 6  # the lower four rows, without ceiling and ignored columns
+    assert not pixels.mask[:4].any()
+    assert pixels.obstacle.sum() == 4
+    lowest = np.rad2deg(pixels.depression_rad).max()
+    assert lowest == pytest.approx(np.rad2deg(np.arctan(3.5 / 8)), abs=0.8)
+
+
+def test_a_frame_without_truth_or_attitude_is_not_scored():
+    assert not scored_pixels(frame_with(None)).mask.any()
+
+
+def test_enlarging_keeps_a_constant_and_the_range():
+    assert np.allclose(enlarged(np.full((3, 4), 0.3, np.float32), (9, 12)), 0.3, atol=1e-6)
+
+
+def test_confusion_against_counting_by_hand():
+    pixels = ScoredPixels(
+        np.ones((2, 2), bool), np.array([True, True, False, False]), np.zeros(4, np.float32)
+    )
+    confusion = Confusion()
+    confusion.add(np.array([[True, False], [True, False]]), pixels)
+    assert confusion.rates() == (0.5, 0.5)
+    assert Confusion().rates() == (None, None)
+
+
+def test_sides_ignore_the_band_and_pixels_without_ray():
+    elevation = np.array([[0.5, 0.001, -0.5, np.nan]], np.float32)
+    view = View("a", 0.0, np.zeros((1, 4, 3), np.uint8), elevation)
+    tally = Tally()
+    tally.add_sides(view, np.array([[0.9, 0.1, 0.9, 0.9]], np.float32), band_rad=0.01)
+    assert (tally.right_sides, tally.sides) == (1, 2)
+
+
+def test_mean_and_spread_are_those_of_numpy():
+    values = [0.1, 0.4, 0.35]
+    found = mean_and_spread("auc", values)
+    assert found["auc"] == pytest.approx(np.mean(values))
+    assert found["auc_sd"] == pytest.approx(np.std(values, ddof=1))
+    assert mean_and_spread("auc", [None]) == {"auc": None, "auc_sd": None}
+    assert mean_and_spread("auc", [0.5]) == {"auc": 0.5, "auc_sd": 0.0}
+
+
+def test_method_metrics_have_the_agreed_keys():
+    pixels = ScoredPixels(np.ones((1, 2), bool), np.array([True, False]), np.full(2, 0.1, np.float32))
+    tally = Tally(threshold=0.5)
+    score = np.array([[0.9, 0.1]], np.float32)
+    tally.add_scores({"p_above": score, "entropy": score}, pixels)
+    tally.add_obstacle_map(score, 0.5, pixels)
+    block = method_metrics([tally], "percentile-25")
+    assert set(block["scores"]) == {"entropy"}
+    assert block["scores"]["entropy"]["auc"] == 1.0
+    assert set(block["scores"]["entropy"]) >= {"auc", "auc_within_depression", "ap", "fpr95", "best_f1", "auc_sd"}
+    point = block["operating_point"]
+    assert (point["threshold"], point["tpr"], point["fpr"], point["rule"]) == (0.5, 1.0, 0.0, "percentile-25")
+    assert point["tpr_filtered"] == 0.0  # a lone pixel is filtered away

@@ -1,0 +1,233 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import ndimage, sparse
+from scipy.sparse.csgraph import dijkstra
+
+from horizon_dl.errors import InputError
+from horizon_dl.geometry.view import View
+from horizon_dl.targets.geodesic import geodesic_target, horizon_distance, horizon_seeds, lab_gradient
+from horizon_dl.targets.guided import guided_target
+from horizon_dl.targets.hard import hard_target
+from horizon_dl.targets.targets import TARGETS, make_target
+
+HEIGHT, WIDTH = 40, 56
+
+
+def level_elevation(height: int = HEIGHT, width: int = WIDTH, roll_rad: float = 0.0) -> np.ndarray:
+    """Elevation of a flat picture plane, horizon through its middle, tilted by the roll."""
+    v, u = np.mgrid[0:height, 0:width].astype(np.float32)
+    rise = (height / 2 - 0.5 - v) * np.cos(roll_rad) + (u - width / 2 + 0.5) * np.sin(roll_rad)
+    return np.arctan(rise / height).astype(np.float32)
+
+
+def noise_image(seed: int = 0, height: int = HEIGHT, width: int = WIDTH) -> np.ndarray:
+    noise = np.random.default_rng(seed).normal(size=(height, width, 3))
+    smooth = ndimage.gaussian_filter(noise, (2, 2, 0))
+    return np.clip(127 + 400 * smooth, 0, 255).astype(np.uint8)
+
+
+def room(height: int = 120, width: int = 160) -> np.ndarray:
+    """Sky, grass, and in the middle a brick-red wall that stands on both sides."""
+    image = np.zeros((height, width, 3), np.uint8)
+    image[: height // 2], image[height // 2 :] = (90, 130, 220), (70, 150, 60)
+    image[height // 5 : height * 4 // 5, width // 3 : width // 2] = (180, 70, 50)
+    return image
+
+
+@pytest.fixture(params=list(TARGETS))
+def kind(request) -> str:
+    return request.param
+
+
+@pytest.mark.parametrize("roll_rad", [0.0, 0.3, -1.2, 3.0])
+def test_targets_are_probabilities_and_know_the_side_of_far_pixels(kind, roll_rad):
+    view = View("a", 0.0, noise_image(), level_elevation(roll_rad=roll_rad))
+    target = make_target(kind, view)
+    assert target.shape == (HEIGHT, WIDTH)
+    assert target.dtype == np.float32
+    assert ((target >= 0) & (target <= 1)).all()
+    assert target[view.elevation > 0.2].mean() > 0.6
+    assert target[view.elevation < -0.2].mean() < 0.4
+
+
+@pytest.mark.parametrize(("offset", "side"), [(2.0, 1.0), (-2.0, 0.0)])
+def test_without_a_horizon_in_the_image_all_is_hard(kind, offset, side):
+    view = View("a", 0.0, noise_image(), level_elevation() * 0.5 + np.float32(offset / 2))
+    np.testing.assert_allclose(make_target(kind, view), side, atol=1e-4)
+
+
+def test_nan_where_the_ray_is_not_valid_and_nowhere_else(kind):
+    elevation = level_elevation()
+    v, u = np.mgrid[0:HEIGHT, 0:WIDTH]
+    invalid = np.hypot(v - HEIGHT / 2, u - WIDTH / 2) > 22
+    elevation[invalid] = np.nan
+    np.testing.assert_array_equal(
+        np.isnan(make_target(kind, View("a", 0.0, noise_image(), elevation))), invalid
+    )
+
+
+def test_nothing_valid_gives_nothing(kind):
+    view = View("a", 0.0, noise_image(), np.full((HEIGHT, WIDTH), np.nan, np.float32))
+    assert np.isnan(make_target(kind, view)).all()
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 9), (9, 1), (3, 200), (200, 3), (241, 33)])
+def test_any_size_works(kind, size):
+    view = View("a", 0.0, noise_image(0, *size), level_elevation(*size))
+    assert np.isfinite(make_target(kind, view)).all()
+
+
+def test_targets_change_nothing_and_repeat_themselves(kind):
+    image, elevation = noise_image(), level_elevation(roll_rad=0.2)
+    image.setflags(write=False)
+    elevation.setflags(write=False)
+    view = View("a", 0.0, image, elevation)
+    np.testing.assert_array_equal(make_target(kind, view), make_target(kind, view))
+
+
+def test_unknown_kind_says_which_there_are():
+    view = View("a", 0.0, noise_image(), level_elevation())
+    with pytest.raises(InputError, match="use one of hard, guided, geodesic"):
+        make_target("soft", view)
+
+
+def test_hard_target_leaves_out_the_band():
+    elevation = np.array([[0.3, 0.05, -0.05, -0.3, np.nan]], np.float32)
+    image = np.zeros((1, 5, 3), np.uint8)
+    np.testing.assert_array_equal(hard_target(image, elevation), [[1, 1, 0, 0, np.nan]])
+    np.testing.assert_array_equal(
+        hard_target(image, elevation, band_rad=0.1), [[1, np.nan, np.nan, 0, np.nan]]
+    )
+
+
+@pytest.mark.parametrize("kind", ["guided", "geodesic"])
+def test_a_wall_through_the_horizon_is_mixed_and_its_floor_is_not(kind):
+    image = room()
+    view = View("a", 0.0, image, level_elevation(120, 160))
+    target = make_target(kind, view)
+    wall_foot, floor = target[75:90, 60:75], target[75:115, 5:40]
+    assert np.median(wall_foot) > 0.2
+    assert np.median(floor) < 0.15
+    wall_top = target[30:45, 60:75]
+    np.testing.assert_allclose(np.median(wall_top), 1.0 - np.median(wall_foot), atol=0.1)
+
+
+# Guided filter
+
+
+def guided_by_hand(image, label, rows: int, columns: int, eps: float) -> np.ndarray:
+    """He et al. 2013, eq. 14 to 16, in float64, with a mirrored border that does not repeat the edge."""
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        size = (2 * rows + 1, 2 * columns + 1) + (1,) * (values.ndim - 2)
+        return ndimage.uniform_filter(values, size, mode="mirror")
+
+    guide = image.astype(np.float64) / 255.0
+    mean_guide, mean_label = mean(guide), mean(label)
+    products = guide[..., :, None] * guide[..., None, :]
+    sigma = mean(products) - mean_guide[..., :, None] * mean_guide[..., None, :]
+    covariance = mean(guide * label[..., None]) - mean_guide * mean_label[..., None]
+    a = np.linalg.solve(sigma + eps * np.eye(3), covariance[..., None])[..., 0]
+    b = mean_label - (a * mean_guide).sum(axis=-1)
+    return np.clip((mean(a) * guide).sum(axis=-1) + mean(b), 0.0, 1.0)
+
+
+def test_guided_target_is_the_guided_filter_of_the_hard_label():
+    image, elevation = noise_image(), level_elevation(roll_rad=0.2)
+    got = guided_target(image, elevation, reach_vertical=0.25, reach_sideways=0.1, eps=0.01)
+    expected = guided_by_hand(image, (elevation > 0).astype(np.float64), rows=10, columns=4, eps=0.01)
+    np.testing.assert_allclose(got, expected, atol=1e-4)
+
+
+def test_guided_target_on_fewer_rows_is_nearly_the_same():
+    view = View("a", 0.0, noise_image(3, 120, 160), level_elevation(120, 160))
+    difference = make_target("guided", view, statistics_rows=60) - make_target("guided", view)
+    assert 0 < np.abs(difference).mean() < 0.02
+
+
+def test_unknown_pixels_do_not_pull_the_guided_target_to_a_side():
+    image, elevation = np.full((HEIGHT, WIDTH, 3), 100, np.uint8), level_elevation()
+    holed = elevation.copy()
+    holed[:, :8] = np.nan
+    got, whole = guided_target(image, holed), guided_target(image, elevation)
+    np.testing.assert_allclose(got[:, 8:], whole[:, 8:], atol=1e-5)
+
+
+# Geodesic
+
+
+def dijkstra_distance(cost: np.ndarray, seeds: np.ndarray) -> np.ndarray:
+    """Shortest way over the 8-neighbour grid; a step costs the mean of its ends times its length."""
+    height, width = cost.shape
+    index = np.arange(cost.size).reshape(cost.shape)
+    graph = sparse.lil_matrix((cost.size, cost.size))
+    for dr, dc in [(0, 1), (1, 0), (1, 1), (1, -1)]:
+        for r in range(height - dr):
+            for c in range(max(0, -dc), width - max(0, dc)):
+                step = 0.5 * (cost[r, c] + cost[r + dr, c + dc]) * np.hypot(dr, dc)
+                if np.isfinite(step):
+                    graph[index[r, c], index[r + dr, c + dc]] = step
+    ways = dijkstra(graph.tocsr(), directed=False, indices=index[seeds], min_only=True)
+    return ways.reshape(cost.shape)
+
+
+def test_horizon_distance_is_dijkstras():
+    image, elevation = noise_image(1, 18, 22), level_elevation(18, 22, roll_rad=0.4)
+    elevation[6:14, 4] = np.nan
+    got = horizon_distance(image, elevation, colour_cost=0.05, length_cost=1.0, blur=0.05)
+    cost = 0.05 * lab_gradient(image, 0.05 * 18).astype(np.float64) + 1.0 / 18
+    expected = dijkstra_distance(np.where(np.isnan(elevation), np.inf, cost), horizon_seeds(elevation))
+    valid = ~np.isnan(elevation)
+    np.testing.assert_allclose(got[valid], expected[valid], rtol=1e-4, atol=1e-6)
+
+
+def test_a_flat_image_costs_its_length_alone():
+    grey = np.full((41, 30, 3), 128, np.uint8)
+    elevation = level_elevation(41, 30) + np.float32(1e-3)  # horizon between rows 20 and 21
+    distance = horizon_distance(grey, elevation, length_cost=2.0)
+    np.testing.assert_allclose(distance[:, 7], 2.0 / 41 * np.r_[20:-1:-1, 0:20], atol=1e-5)
+    target = geodesic_target(grey, elevation, length_cost=2.0)
+    np.testing.assert_allclose(target[40, 7], 0.5 * np.exp(-2.0 / 41 * 19), rtol=1e-4)
+    np.testing.assert_allclose(target[0, 7], 1 - 0.5 * np.exp(-2.0 / 41 * 20), rtol=1e-4)
+
+
+@pytest.mark.parametrize("size", [60, 240])
+def test_an_edge_costs_its_height_at_any_resolution(size):
+    image = np.full((size, size, 3), 119, np.uint8)  # L = 50.0
+    image[size * 3 // 4 :] = 171  # L = 69.9
+    distance = horizon_distance(image, level_elevation(size, size), colour_cost=0.1, length_cost=0.0)
+    assert distance[size * 5 // 8, size // 2] == pytest.approx(0.0, abs=1e-3)
+    assert distance[-1, size // 2] == pytest.approx(0.1 * 19.9, rel=0.02)
+
+
+def test_no_path_leads_through_invalid_rays():
+    elevation = level_elevation()
+    elevation[30] = np.nan
+    target = geodesic_target(np.full((HEIGHT, WIDTH, 3), 90, np.uint8), elevation)
+    assert (target[20:30] > 0.3).all()
+    assert (target[31:] == 0.0).all()
+
+
+def test_seeds_lie_on_both_sides_of_the_horizon_and_not_at_gaps():
+    elevation = np.array([[1, 1, np.nan], [1, -1, -1], [-1, -1, -1]], np.float32)
+    expected = [[False, True, False], [True, True, False], [True, False, False]]
+    np.testing.assert_array_equal(horizon_seeds(elevation), expected)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(-3.1, 3.1), st.integers(0, 5))
+def test_geodesic_target_never_crosses_a_half(roll_rad, seed):
+    elevation = level_elevation(20, 24, roll_rad)
+    target = geodesic_target(noise_image(seed, 20, 24), elevation)
+    assert (target[elevation > 0] >= 0.5).all()
+    assert (target[elevation <= 0] <= 0.5).all()
+
+
+def test_targets_turn_with_the_image(kind):
+    image, elevation = noise_image(), level_elevation()
+    mirrored = make_target(kind, View("a", 0.0, image[:, ::-1], elevation[:, ::-1]))
+    np.testing.assert_allclose(
+        mirrored[:, ::-1], make_target(kind, View("a", 0.0, image, elevation)), atol=1e-4
+    )

@@ -1,0 +1,51 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
+from scipy import ndimage
+
+from horizon_dl.obstacles.threshold import obstacle_map, percentile_threshold, without_lone_pixels
+
+
+def test_percentile_of_known_numbers():
+    assert percentile_threshold(np.arange(101) / 100.0) == pytest.approx(0.25)
+    assert percentile_threshold(np.arange(101).reshape(1, 101) / 100.0, 90.0) == pytest.approx(0.9)
+    assert percentile_threshold([0.0, np.nan, 1.0], 50.0) == pytest.approx(0.5)
+
+
+def test_percentile_without_scores_or_out_of_range_is_refused():
+    with pytest.raises(ValueError, match="no training uncertainty"):
+        percentile_threshold([np.nan])
+    with pytest.raises(ValueError, match=r"[Pp]ercentile"):
+        percentile_threshold([0.1, 0.2], 101.0)
+
+
+def test_lone_pixels_go_and_pairs_stay_diagonal_ones_too():
+    picture = ["#....", ".....", "..#..", "...#.", "#...."]
+    kept = [".....", ".....", "..#..", "...#.", "....."]
+    as_map = [np.array([[c == "#" for c in row] for row in rows]) for rows in (picture, kept)]
+    np.testing.assert_array_equal(without_lone_pixels(as_map[0]), as_map[1])
+
+
+def test_threshold_must_be_exceeded_and_nan_is_no_obstacle():
+    score = np.array([[0.5, 0.5, 0.6, 0.6], [np.nan, np.nan, 0.2, 0.2]])
+    expected = [[False, False, True, True], [False, False, False, False]]
+    np.testing.assert_array_equal(obstacle_map(score, 0.5), expected)
+
+
+@given(arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=9)))
+def test_filter_is_that_of_a_convolution(obstacle):
+    kernel = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])
+    neighbours = ndimage.convolve(obstacle.astype(int), kernel, mode="constant")
+    np.testing.assert_array_equal(without_lone_pixels(obstacle), obstacle & (neighbours >= 1))
+
+
+@given(
+    arrays(np.float64, (6, 7), elements=st.floats(0.0, 1.0)),
+    st.floats(0.0, 1.0),
+    st.floats(0.0, 1.0),
+)
+def test_a_higher_threshold_never_adds_obstacles(score, first, second):
+    low, high = sorted((first, second))
+    assert not (obstacle_map(score, high) & ~obstacle_map(score, low)).any()
