@@ -37,11 +37,25 @@ def output_folder(out: Path) -> Iterator[Path]:
         shutil.rmtree(beside, ignore_errors=True)
 
 
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file as a whole or not at all; its folder is made where it is missing."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        beside.write_bytes(content)
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def write_text(path: Path, content: str) -> None:
+    """As `write_bytes`, for UTF-8 text."""
+    write_bytes(path, content.encode())
+
+
 def write_json(path: Path, value: Any) -> None:
-    """Write JSON beside and rename; NaN is refused, since it is no JSON."""
-    beside = path.with_name(f".{path.name}.partial")
-    beside.write_text(json.dumps(value, indent=1, allow_nan=False) + "\n")
-    beside.replace(path)
+    """As `write_bytes`, for JSON; NaN is refused, since it is no JSON."""
+    write_text(path, json.dumps(value, indent=1, allow_nan=False) + "\n")
 
 
 def _move_into(source: Path, out: Path) -> None:

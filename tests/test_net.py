@@ -39,7 +39,8 @@ def test_sampling_is_dropout_with_the_kept_masks(net, image):
     """Against masks multiplied onto the features by hand, one pass each."""
     with torch.no_grad():
         features = net.encode(image_tensor(image))
-        one_by_one = torch.cat([net.classifier(features * mask[None, :, None, None]) for mask in net.masks], 1)
+        masked = [features * mask[None, :, None, None] for mask in net.masks]
+        one_by_one = torch.cat([net.classifier(part) for part in masked], dim=1)
         together = net.sample_logits(features)
     torch.testing.assert_close(together, one_by_one, rtol=1e-4, atol=1e-5)
 
@@ -75,7 +76,9 @@ def test_training_drops_whole_maps_at_random(net):
     assert (dropped == 0).float().mean().item() == pytest.approx(net.dropout.p, abs=0.03)
 
 
-@pytest.mark.parametrize(("samples", "rate", "dropped"), [(16, 0.25, 4), (16, 0.5, 8), (1, 0.5, 0), (4, 0.9, 3)])
+@pytest.mark.parametrize(
+    ("samples", "rate", "dropped"), [(16, 0.25, 4), (16, 0.5, 8), (1, 0.5, 0), (4, 0.9, 3)]
+)
 def test_masks_drop_every_feature_equally_often(samples, rate, dropped):
     masks = balanced_masks(samples, 500, rate)
     assert torch.equal((masks == 0).sum(0), torch.full((500,), dropped))

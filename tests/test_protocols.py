@@ -39,9 +39,7 @@ def test_without_truth_it_splits_as_if_all_had_one():
     assert split_frames("labelled-out", [False] * 30) == split_frames("labelled-out", [True] * 30)
 
 
-@given(
-    st.lists(st.booleans(), max_size=60), st.sampled_from(["tail", "labelled-out"])
-)
+@given(st.lists(st.booleans(), max_size=60), st.sampled_from(["tail", "labelled-out"]))
 def test_no_frame_is_both_trained_on_and_tested(labelled, protocol):
     split = split_frames(protocol, labelled)
     assert not set(split.train) & set(split.test)

@@ -72,7 +72,8 @@ def test_method_metrics_have_the_agreed_keys():
     block = method_metrics([tally], "percentile-25")
     assert set(block["scores"]) == {"entropy"}
     assert block["scores"]["entropy"]["auc"] == 1.0
-    assert set(block["scores"]["entropy"]) >= {"auc", "auc_within_depression", "ap", "fpr95", "best_f1", "auc_sd"}
+    figures = {"auc", "auc_within_depression", "ap", "fpr95", "best_f1", "auc_sd"}
+    assert set(block["scores"]["entropy"]) >= figures
     point = block["operating_point"]
     assert (point["threshold"], point["tpr"], point["fpr"], point["rule"]) == (0.5, 1.0, 0.0, "percentile-25")
     assert point["tpr_filtered"] == 0.0  # a lone pixel is filtered away

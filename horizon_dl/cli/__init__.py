@@ -51,13 +51,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         first_line = str(error).strip().partition("\n")[0]
         return _say(
             1,
-            f"{parsed.verb} failed: {type(error).__name__}: {first_line}; set HORIZON_DL_TRACEBACK=1 for where",
+            f"{parsed.verb} failed: {type(error).__name__}: {first_line}; HORIZON_DL_TRACEBACK=1 shows where",
         )
     return 0
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Parse; dotted options (`--train.steps 100`) are collected in `overrides` where the verb has a config."""
+    """Parse; dotted options (`--train.steps 100`) are collected in `overrides` for verbs with a config."""
     parser = argparse.ArgumentParser(
         prog="horizon-dl", description="Obstacles from what lies above and below the horizon."
     )

@@ -1,7 +1,7 @@
 """Whether a data set can work, and why not.
 
-  horizon-dl check-data DATA
-  horizon-dl check-data DATA --out DIR      also writes check.json, horizon overlays and index.html
+horizon-dl check-data DATA
+horizon-dl check-data DATA --out DIR      also writes check.json, horizon overlays and index.html
 """
 
 import argparse

@@ -37,7 +37,8 @@ def _list(_: argparse.Namespace) -> None:
     from horizon_dl.datasets.registry import list_sets
 
     for entry in list_sets():
-        print(f"{entry.name:28} {entry.description}")
+        size = f", {entry.megabytes} MB" if entry.megabytes else ""
+        print(f"{entry.name}\n    {entry.what}{size}\n    {entry.licence}; {entry.page}")
 
 
 def _fetch(arguments: argparse.Namespace) -> None:

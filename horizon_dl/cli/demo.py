@@ -1,6 +1,6 @@
 """The whole story on the embedded data set: learn online, compare with the forest, write the report.
 
-  horizon-dl demo --out DIR
+horizon-dl demo --out DIR
 """
 
 import argparse

@@ -49,6 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
             save_panel(folder / "panels" / f"{stem}.jpg", prediction_panel(prediction))
             np.savez_compressed(folder / "arrays" / f"{stem}.npz", **prediction.arrays())
         if len(skipped) == count:
-            raise InputError(arguments.source, "holds no frame that can be read", next(iter(skipped.values())))
+            first = next(iter(skipped.values()))
+            raise InputError(arguments.source, f"holds no readable frame (the first: {first})", "mend it")
     say_skipped(skipped)
     print(f"wrote {count - len(skipped)} panels and arrays to {arguments.out}")

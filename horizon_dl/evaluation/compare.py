@@ -17,6 +17,7 @@ from horizon_dl.evaluation.learners import (
     Method,
     NetMethod,
     NetStream,
+    StreamLearner,
     fit_forest,
 )
 from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
@@ -150,9 +151,7 @@ def _offline(
         "cnn": entropy_threshold(net, store, split.train),
         "rf": _forest_threshold(forest, store, split.train),
     }
-    frames = tqdm(
-        store.frames(split.test), f"test, seed {seed}", total=len(split.test), unit="frame", disable=not progress
-    )
+    frames = _bar(store.frames(split.test), f"test, seed {seed}", len(split.test), progress)
     tallies = score_frames(methods, thresholds, frames, config.labels.band_rad, on_frame)
     tallies["cnn"].train_s, tallies["rf"].train_s = net_s, forest_s
     return tallies
@@ -168,13 +167,11 @@ def _prequential(
     store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool
 ) -> dict[str, Tally]:
     config = store.config
-    streams = {"cnn": NetStream(config, seed), "rf": ForestStream(config, seed)}
+    streams: dict[str, StreamLearner] = {"cnn": NetStream(config, seed), "rf": ForestStream(config, seed)}
     tallies = {name: Tally() for name in streams}
     entropies = {name: RunningPercentile(config.threshold.percentile) for name in streams}
     tested = {store.recording.entries[index].name for index in split.test}
-    frames = tqdm(
-        store.frames(split.train), f"online, seed {seed}", total=len(split.train), unit="frame", disable=not progress
-    )
+    frames = _bar(store.frames(split.train), f"online, seed {seed}", len(split.train), progress)
     for frame, view in frames:
         ready = {name: stream for name, stream in streams.items() if stream.ready}
         maps = {name: _timed_scores(stream, view, tallies[name]) for name, stream in ready.items()}
@@ -193,8 +190,15 @@ def _prequential(
 
 
 def _baselines(store: FrameStore, test: Sequence[int], progress: bool) -> dict[str, Tally]:
-    frames = tqdm(store.frames(test), "baselines", total=len(test), unit="frame", disable=not progress)
+    frames = _bar(store.frames(test), "baselines", len(test), progress)
     return score_frames(training_free_methods(), {}, frames, store.config.labels.band_rad)
+
+
+def _bar(
+    frames: Iterable[tuple[Frame, View]], what: str, total: int, progress: bool
+) -> Iterable[tuple[Frame, View]]:
+    bar: Iterable[tuple[Frame, View]] = tqdm(frames, what, total=total, unit="frame", disable=not progress)
+    return bar
 
 
 def _timed_scores(method: Method, view: View, tally: Tally) -> dict[str, Map]:

@@ -12,7 +12,7 @@ FIGURES = ("auc", "auc_within_depression", "ap", "fpr95", "best_f1")
 
 
 def mean_and_spread(name: str, values: Sequence[float | None]) -> dict[str, float | None]:
-    """`{name: mean, name_sd: sample standard deviation}`, null where a value is missing; sd 0 for one seed."""
+    """`{name: mean, name_sd: sample standard deviation}`, null where none is known; sd 0 for one seed."""
     known = [value for value in values if value is not None]
     if not known:
         return {name: None, f"{name}_sd": None}

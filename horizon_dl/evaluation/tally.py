@@ -44,8 +44,8 @@ def scored_pixels(frame: Frame) -> ScoredPixels:
 def enlarged(score: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.float32]:
     """A score map in [0, 1], bilinearly enlarged to (H, W)."""
     size = (shape[1], shape[0])
-    resized = np.asarray(Image.fromarray(score.astype(np.float32)).resize(size, Image.Resampling.BILINEAR))
-    return np.clip(resized, 0.0, 1.0)
+    resized = Image.fromarray(score.astype(np.float32)).resize(size, Image.Resampling.BILINEAR)
+    return np.asarray(resized, np.float32).clip(0.0, 1.0)
 
 
 @dataclass

@@ -68,9 +68,10 @@ def _crop(
 ) -> tuple[NDArray[np.uint8], NDArray[np.float16], NDArray[np.bool_]]:
     top = rng.integers(frame.image.shape[0] - height + 1)
     left = rng.integers(frame.image.shape[1] - width + 1)
-    columns = slice(left, left + width)
-    parts = (part[top : top + height, columns] for part in (frame.image, frame.target, frame.counts))
-    if rng.random() < 0.5:
-        parts = (part[:, ::-1] for part in parts)
-    image, target, counts = (np.ascontiguousarray(part) for part in parts)
-    return image, target, counts
+    rows, columns = slice(top, top + height), slice(left, left + width)
+    step = -1 if rng.random() < 0.5 else 1
+    return (
+        frame.image[rows, columns][:, ::step],
+        frame.target[rows, columns][:, ::step],
+        frame.counts[rows, columns][:, ::step],
+    )

@@ -63,7 +63,7 @@ class OnlineLearner:
         self.net.train()
         loss = horizon_loss(self.net(batch.images), batch)
         self._optimiser.zero_grad()
-        loss.backward()
+        loss.backward()  # type: ignore[no-untyped-call]
         torch.nn.utils.clip_grad_norm_(self.net.parameters(), 1.0)
         self._optimiser.step()
         return float(loss.detach())

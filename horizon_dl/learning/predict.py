@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ class Prediction:
     obstacles: NDArray[np.bool_]
     truth: NDArray[np.uint8] | None
 
-    def arrays(self) -> dict[str, NDArray[np.generic]]:
+    def arrays(self) -> dict[str, Any]:
         """All maps by name, the float ones as float16."""
         maps = {name: value.astype(np.float16) for name, value in vars(self.measures).items()}
         return {**maps, "obstacles": self.obstacles, "elevation_rad": self.view.elevation}

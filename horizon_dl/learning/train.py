@@ -112,12 +112,10 @@ def train_run(
 
 
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:
-    """The paper's threshold, bits: a percentile of the entropies of at most 50 evenly spread training frames."""
+    """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
     config = store.config
     entropies = (
-        binary_entropy(sample_p_above(net, view.image).mean(axis=0))[
-            ~np.isnan(view.elevation)
-        ]
+        binary_entropy(sample_p_above(net, view.image).mean(axis=0))[~np.isnan(view.elevation)]
         for view in store.views(evenly(indices, THRESHOLD_FRAMES))
     )
     return stream_percentile(entropies, config.threshold.percentile)

@@ -8,9 +8,9 @@ import numpy as np
 
 from horizon_dl.evaluation.check_result import DataCheck
 from horizon_dl.geometry.view import View
+from horizon_dl.output import write_text
 from horizon_dl.reporting.cells import resize_image, resize_map
 from horizon_dl.reporting.colours import Image
-from horizon_dl.reporting.files import write_text
 from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.overlays import draw_sides
 from horizon_dl.reporting.panels import image_bytes, save_panel

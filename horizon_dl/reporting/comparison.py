@@ -13,7 +13,7 @@ from horizon_dl.obstacles.threshold import obstacle_map
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.reporting.colours import Image
-from horizon_dl.reporting.curves import OperatingPoint, RocLine, figure_bytes, roc_figure, save_figure
+from horizon_dl.reporting.curves import Floats, OperatingPoint, RocLine, figure_bytes, roc_figure, save_figure
 from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.panels import PanelRow, frame_panel, image_bytes, save_panel
 from horizon_dl.reporting.sections import GLOSSARY, Figure, Heading, Pairs, Section, Table, Text
@@ -105,10 +105,12 @@ def roc_lines(comparison: Comparison) -> list[RocLine]:
         if curve is None:
             continue
         block = comparison.metrics["methods"][method]
+        fpr, tpr = curve
         lines.append(
             RocLine(
                 METHOD_NAMES.get(method, method),
-                *curve,
+                fpr,
+                tpr,
                 auc=block["scores"][score]["auc"],
                 baseline=method not in HEADLINE,
                 points=_points(block.get("operating_point")),
@@ -133,7 +135,7 @@ def setup_facts(comparison: Comparison, config: Config) -> list[tuple[str, str]]
     ]
 
 
-def _pooled_curve(tallies: Sequence[Tally], score: str) -> Any:
+def _pooled_curve(tallies: Sequence[Tally], score: str) -> tuple[Floats, Floats] | None:
     pooled = RocAccumulator()
     for tally in tallies:
         if score in tally.rocs:

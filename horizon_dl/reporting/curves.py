@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.reporting.files import write_bytes
+from horizon_dl.output import write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

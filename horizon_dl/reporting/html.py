@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.reporting.files import write_text
+from horizon_dl.output import write_text
 from horizon_dl.reporting.sections import Heading, Section
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
+from horizon_dl.output import write_bytes
 from horizon_dl.reporting.cells import Cells
 from horizon_dl.reporting.colours import ABOVE_COLOUR, BELOW_COLOUR, OBSTACLE_COLOUR, Image, lookup_table
-from horizon_dl.reporting.files import write_bytes
 from horizon_dl.reporting.text import SOFT, paste, shorten, text_image
 
 Floats = NDArray[np.floating]

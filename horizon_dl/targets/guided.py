@@ -40,13 +40,15 @@ def guided_target(
     guide = torch.tensor(image.copy(), dtype=torch.float32).permute(2, 0, 1)[None] / 255.0
     step = max(1, min(elevation.shape) // statistics_rows)
     kernel = _window(elevation.shape, reach_vertical, reach_sideways, step)
-    spread = guided_blur(guide, torch.from_numpy(label)[None, None], kernel, eps, subsample=step, separable=True)
+    spread = guided_blur(
+        guide, torch.from_numpy(label)[None, None], kernel, eps, subsample=step, separable=True
+    )
     target = spread[0, 0].clamp(0.0, 1.0).numpy()
     return np.where(np.isnan(elevation), np.float32(np.nan), target)
 
 
 def _window(shape: tuple[int, ...], vertical: float, sideways: float, step: int) -> tuple[int, int]:
-    """Window (rows, columns): odd on the grid of every `step`-th pixel, no wider than the border can mirror."""
+    """Window (rows, columns), odd on the grid of every `step`-th pixel, within what a border can mirror."""
     rows = min(round(vertical * shape[0] / step), shape[0] // step - 1)
     columns = min(round(sideways * shape[0] / step), shape[1] // step - 1)
     return 2 * rows * step + 1, 2 * columns * step + 1
