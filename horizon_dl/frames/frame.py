@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,19 @@ class Truth(IntEnum):
 
 
 @dataclass(frozen=True)
+class RangeUnit:
+    """What the numbers in a range image mean; 0 and the largest uint16 mean that there is none.
+
+    Attributes:
+        metres: of one count.
+        along: `axis`: depth along the optical axis; `ray`: distance from the camera.
+    """
+
+    metres: float
+    along: Literal["axis", "ray"]
+
+
+@dataclass(frozen=True)
 class Frame:
     """One image with what is known of its camera at that time.
 
@@ -33,6 +47,8 @@ class Frame:
             None where the attitude is missing.
         height_m: metres of the camera over the floor, or None.
         truth: (H, W) uint8 of `Truth`, or None.
+        floor_up_cam: (3,) the floor's normal in the optical frame where it is known to differ from `up_cam`
+            (a car stands on its road, however the road tilts); None: the floor is level.
     """
 
     name: str
@@ -42,6 +58,7 @@ class Frame:
     up_cam: NDArray[np.float64] | None
     height_m: float | None = None
     truth: NDArray[np.uint8] | None = None
+    floor_up_cam: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -55,6 +72,8 @@ class FrameEntry:
     height_m: float | None = None
     truth_path: Path | None = None
     range_path: Path | None = None
+    range_unit: RangeUnit = RangeUnit(0.001, "axis")
+    floor_up_cam: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.errors import InputError
-from horizon_dl.frames.frame import FrameEntry, Recording
+from horizon_dl.frames.frame import FrameEntry, RangeUnit, Recording
 from horizon_dl.frames.parsing import beside, finished, images_in, read_lines, relative_name
 from horizon_dl.geometry.attitude import rotation_from_rpy, unit
 from horizon_dl.geometry.camera import Camera
@@ -24,6 +24,7 @@ NEEDS = "KITTI raw, <date>/<drive>/image_02/data and oxts, with calib_*.txt in <
 CAMERA_HEIGHT_M = 1.65
 CALIBRATION = "calib_cam_to_cam.txt"
 FRAME_PERIOD_S = 0.1
+RANGE_UNIT = RangeUnit(1 / 256, "ray")
 FRD_FROM_FLU = np.diag([1.0, -1.0, -1.0])
 
 
@@ -65,6 +66,8 @@ def read(folder: Path) -> Recording:
             height_m=CAMERA_HEIGHT_M,
             truth_path=beside(drive, "labels", image.stem),
             range_path=beside(drive, "range", image.stem),
+            range_unit=RANGE_UNIT,
+            floor_up_cam=unit(cam_from_imu @ [0.0, 0.0, 1.0]),
         )
         for image, time_s in zip(images, times, strict=True)
     ]

@@ -22,7 +22,24 @@ def load_frame(recording: Recording, index: int) -> Frame:
     image = np.ascontiguousarray(np.rot90(image, recording.rotate_quarter_turns_ccw))
     _check_size(entry.image_path, image, recording.camera)
     truth = None if entry.truth_path is None else _load_truth(entry.truth_path, recording.camera)
-    return Frame(entry.name, entry.time_s, image, recording.camera, entry.up_cam, entry.height_m, truth)
+    return Frame(
+        entry.name,
+        entry.time_s,
+        image,
+        recording.camera,
+        entry.up_cam,
+        entry.height_m,
+        truth,
+        entry.floor_up_cam,
+    )
+
+
+def load_counts(path: Path) -> NDArray[np.uint16]:
+    """(h, w) numbers of a 16-bit range image, as they are stored; FrameError where it is none."""
+    image = _decode(path)
+    if not image.mode.startswith("I"):
+        raise FrameError(path, f"has the mode {image.mode}", "store ranges as one channel of 16 bits")
+    return np.asarray(image).astype(np.uint16)
 
 
 def load_rgb(path: Path) -> NDArray[np.uint8]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.errors import InputError
-from horizon_dl.frames.frame import FrameEntry, Recording
+from horizon_dl.frames.frame import FrameEntry, RangeUnit, Recording
 from horizon_dl.frames.parsing import (
     MAX_GAP_S,
     beside,
@@ -29,6 +29,7 @@ Floats = NDArray[np.float64]
 NAME = "tum"
 NEEDS = "rgb.txt and groundtruth.txt, as TUM RGB-D has them"
 MAX_DEPTH_OFFSET_S = 0.05
+RANGE_UNIT = RangeUnit(1 / 5000, "axis")
 UP_WORLD = np.array([0.0, 0.0, 1.0])
 
 # Published ROS calibrations of the colour cameras (the data set's page, "intrinsic camera calibration").
@@ -75,6 +76,7 @@ def read(folder: Path) -> Recording:
                 height_m=height_m,
                 truth_path=beside(folder, "labels", Path(name).stem),
                 range_path=nearest_depth(folder, depths, time_s),
+                range_unit=RANGE_UNIT,
             )
         )
     return Recording(

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from horizon_dl.errors import FrameError
 from horizon_dl.frames.frame import Frame
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.horizon import elevation
+from horizon_dl.geometry.resize import area_resize
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,6 @@ def make_view(frame: Frame, max_pixels: int) -> View:
     size = working_size(frame.camera, max_pixels)
     image = frame.image
     if size != (frame.camera.width, frame.camera.height):
-        image = np.asarray(Image.fromarray(image).resize(size, Image.Resampling.BOX))
+        image = area_resize(image, size)
     rays = camera_rays(frame.camera.scaled(*size))
     return View(frame.name, frame.time_s, image, elevation(rays.directions, frame.up_cam))

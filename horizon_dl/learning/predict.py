@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from horizon_dl.errors import FrameError
 from horizon_dl.frames.formats import open_recording
@@ -15,6 +14,7 @@ from horizon_dl.frames.frame import Recording
 from horizon_dl.frames.loading import load_frame, load_rgb
 from horizon_dl.frames.pictures import picture_paths
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.resize import area_resize
 from horizon_dl.geometry.view import View, make_view, working_size
 from horizon_dl.learning.run import Run
 from horizon_dl.obstacles.threshold import obstacle_map
@@ -92,5 +92,5 @@ def _view_of_picture(path: Path, max_pixels: int) -> Item:
         return error
     height, width = image.shape[:2]
     size = working_size(Camera("pinhole", width, height, 1.0, 1.0, 0.0, 0.0), max_pixels)
-    small = np.asarray(Image.fromarray(image).resize(size, Image.Resampling.BOX))
+    small = area_resize(image, size)
     return View(path.name, 0.0, small, np.full(small.shape[:2], np.nan, np.float32)), None

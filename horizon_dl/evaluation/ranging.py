@@ -1,0 +1,114 @@
+"""Free distances against measured ones: the block `ranging` of `metrics.json`."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.evaluation.range_truth import floor_up, true_distances
+from horizon_dl.frames.frame import Frame
+from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.obstacles.polar import Bearings, polar_view
+from horizon_dl.obstacles.ranging import FreeDistances, Outcome, RangingRules, free_distances
+
+Floats = NDArray[np.float32]
+
+MISSED_FACTOR = 1.5
+FALSE_STOP_FACTOR = 0.67
+EVALUATION_BEARINGS = Bearings(120, math.radians(1.0))
+
+
+@dataclass
+class RangingTally:
+    """Errors of free distances over the bearings whose true distance lies in an interval.
+
+    Attributes:
+        near_m: the interval's near end, m.
+        far_m: its far end, m.
+        connected_only: range the obstacles that reach the horizon, or all.
+        bearings: sectors, zero is the optical axis.
+        rules: of the ranging.
+    """
+
+    near_m: float = 0.7
+    far_m: float = 25.0
+    connected_only: bool = False
+    bearings: Bearings = EVALUATION_BEARINGS
+    rules: RangingRules = field(default_factory=RangingRules)
+    _relative: list[Floats] = field(default_factory=list)
+    _within_2sd: list[NDArray[np.bool_]] = field(default_factory=list)
+    _counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(4, np.int64))
+
+    def add(
+        self,
+        frame: Frame,
+        obstacle: NDArray[np.bool_],
+        range_m: Floats,
+        known: NDArray[np.bool_] | None = None,
+    ) -> FreeDistances | None:
+        """Count one frame.
+
+        Args:
+            frame: with truth, attitude and height; others are left out (None is returned).
+            obstacle: (h, w) obstacle map at any size of the frame's aspect.
+            range_m: (h', w') of `load_range`.
+            known: (h, w) pixels of the map that say anything; all if left out.
+        """
+        up_cam = floor_up(frame)
+        if up_cam is None or frame.height_m is None or frame.truth is None:
+            return None
+        truth_m = true_distances(frame, range_m, self.bearings)
+        height, width = obstacle.shape
+        directions = camera_rays(frame.camera.scaled(width, height)).directions
+        polar = polar_view(directions, up_cam, bearings=self.bearings)
+        found = free_distances(
+            obstacle,
+            polar,
+            frame.height_m,
+            known=known,
+            connected_only=self.connected_only,
+            rules=self.rules,
+        )
+        self.count(found, truth_m)
+        return found
+
+    def count(self, found: FreeDistances, truth_m: Floats) -> None:
+        """Count the bearings (sectors,) of one frame."""
+        with np.errstate(invalid="ignore"):
+            used = (truth_m >= self.near_m) & (truth_m <= self.far_m)
+        distance, truth = found.distance_m[used], truth_m[used]
+        unknown = found.outcome[used] == Outcome.UNKNOWN
+        met = found.outcome[used] == Outcome.OBSTACLE
+        with np.errstate(invalid="ignore"):
+            missed = ~unknown & (distance > MISSED_FACTOR * truth)
+            false_stop = met & (distance < FALSE_STOP_FACTOR * truth)
+        self._counts += [len(truth), unknown.sum(), missed.sum(), false_stop.sum()]
+        error = np.abs(distance[met] - truth[met])
+        self._relative.append((error / truth[met]).astype(np.float32))
+        self._within_2sd.append(error <= 2 * found.sd_m[used][met])
+
+    def metrics(self) -> dict[str, Any]:
+        """The figures; None where there was nothing to measure.
+
+        `columns` bearings had a true distance in the interval. Of them `missed` (share reported free beyond
+        1.5 times the true distance), `false_stop` (share reported under 0.67 times) and `unknown`;
+        `median_relative_error` and `within_2sd` are over those with a reported obstacle.
+        """
+        columns, *shares = (int(n) for n in self._counts)
+        relative, within = _joined(self._relative), _joined(self._within_2sd)
+        names = ("unknown", "missed", "false_stop")
+        return {
+            "median_relative_error": float(np.median(relative)) if len(relative) else None,
+            "columns": columns,
+            **{name: n / columns if columns else None for name, n in zip(names, shares, strict=True)},
+            "within_2sd": float(np.mean(within)) if len(within) else None,
+            "interval_m": [self.near_m, self.far_m],
+            "connected_only": self.connected_only,
+        }
+
+
+def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    return np.concatenate(parts) if parts else np.empty(0)

@@ -1,0 +1,143 @@
+"""The whole way from camera image to obstacle map as one module, ready to be exported."""
+
+from math import log
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from horizon_dl.export.shrink import AreaShrink, enlarge_nearest
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.geometry.view import working_size
+from horizon_dl.models.fcn import HorizonFCN, enlarge
+
+TINY = float(np.finfo(np.float32).tiny)
+BITS = 1 / log(2)
+
+
+class Maps(NamedTuple):
+    """Outputs of the graph, in the order of the file; see `OUTPUTS` of the card for units and ranges."""
+
+    p_above: Tensor
+    entropy: Tensor
+    expected_entropy: Tensor
+    mutual_information: Tensor
+    surprisal: Tensor
+    elevation: Tensor
+    obstacles: Tensor
+
+
+class WholeWay(nn.Module):
+    """Camera image and attitude in; probability, uncertainties and obstacle map out.
+
+    Dropout is inside as the net's own fixed masks times its last weights: no operator is random, and none
+    is a dropout that a runtime would remove. Rays are constants, so a file belongs to one camera.
+
+    Args:
+        net: trained, in evaluation mode.
+        camera: of the upright images.
+        max_pixels: as in training; fixes the working size.
+        threshold: entropy above which a pixel is an obstacle, bits.
+        sampled: False gives the single pass without dropout, for comparison of times alone.
+    """
+
+    def __init__(
+        self, net: HorizonFCN, camera: Camera, max_pixels: int, threshold: float, *, sampled: bool = True
+    ) -> None:
+        super().__init__()
+        self.image_size = (camera.width, camera.height)
+        self.size = working_size(camera, max_pixels)
+        self.resize = AreaShrink(self.image_size, self.size)
+        self.net = net
+        self.uncertainty = Uncertainty(net, self.size, sampled=sampled)
+        self.horizon = Horizon(camera.scaled(*self.size))
+        self.obstacles = ObstacleMap(threshold, self.image_size)
+
+    def forward(self, image: Tensor, up_cam: Tensor) -> Maps:
+        """Maps of (1, H, W, 3) uint8 RGB and the (3,) up direction in the optical frame."""
+        features = self.net.encode(self.resize(image) / 255.0)
+        p_above, mutual_information = self.uncertainty(features)
+        log_yes, log_no = _log2(p_above), _log2(1 - p_above)
+        entropy = (-p_above * log_yes - (1 - p_above) * log_no).clamp(0.0, 1.0)
+        elevation, above = self.horizon(up_cam)
+        return Maps(
+            p_above,
+            entropy,
+            (entropy - mutual_information).clamp(min=0.0),
+            mutual_information,
+            -torch.where(above, log_yes, log_no),
+            elevation,
+            self.obstacles(entropy),
+        )
+
+
+class Uncertainty(nn.Module):
+    """Mean probability and mutual information of all dropout samples, enlarged to the working size.
+
+    The samples themselves stay at the net's coarse grid; only their two summaries are enlarged. The mean is
+    exactly that of enlarged samples. The mutual information is that of the coarse grid.
+    """
+
+    def __init__(self, net: HorizonFCN, size: tuple[int, int], *, sampled: bool) -> None:
+        super().__init__()
+        self.net, self.size, self.sampled = net, (size[1], size[0]), sampled
+
+    def forward(self, features: Tensor) -> tuple[Tensor, Tensor]:
+        """Two (h, w) maps of (1, features, h / s, w / s)."""
+        if not self.sampled:
+            p = enlarge(self.net.classifier(features).sigmoid(), self.size)[0, 0]
+            return p, torch.zeros_like(p)
+        logits = self.net.sample_logits(features)
+        p = logits.sigmoid()
+        mean = p.mean(dim=1, keepdim=True)
+        # H(p) = z (1 - p) - log p for p = sigmoid(z): one logarithm instead of two.
+        expected = (logits - p * logits - p.clamp(min=TINY).log()).mean(dim=1, keepdim=True) * BITS
+        entropy = -mean * _log2(mean) - (1 - mean) * _log2(1 - mean)
+        information = (entropy - expected).clamp(0.0, 1.0)
+        maps = enlarge(torch.cat([mean, information], dim=1), self.size)[0]
+        return maps[0], maps[1]
+
+
+class Horizon(nn.Module):
+    """Elevation of every pixel from the camera's rays, NaN where the lens model or the attitude gives none."""
+
+    def __init__(self, camera: Camera) -> None:
+        super().__init__()
+        rays = camera_rays(camera)
+        self.shape = (camera.height, camera.width)
+        self.register_buffer("rays", torch.from_numpy(np.nan_to_num(rays.directions).reshape(-1, 3).T.copy()))
+        self.register_buffer("no_ray", torch.from_numpy(np.where(rays.valid, 0.0, np.nan).astype(np.float32)))
+        self.all_valid = bool(rays.valid.all())
+
+    def forward(self, up_cam: Tensor) -> tuple[Tensor, Tensor]:
+        """(h, w) elevation in rad, and whether it is positive."""
+        sine = (up_cam.reshape(1, 3) @ self.rays).reshape(self.shape).clamp(-1.0, 1.0)
+        # Clamping may lose a NaN; adding the input's own NaN brings it back.
+        elevation = sine.asin() + up_cam.sum() * 0.0
+        if not self.all_valid:
+            elevation = elevation + self.no_ray
+        return elevation, elevation > 0
+
+
+class ObstacleMap(nn.Module):
+    """Entropy over the threshold, without pixels that stand alone, at the image's size."""
+
+    def __init__(self, threshold: float, image_size: tuple[int, int]) -> None:
+        super().__init__()
+        self.threshold, self.image_size = threshold, image_size
+
+    def forward(self, entropy: Tensor) -> Tensor:
+        """(H, W) uint8, 1 obstacle, of (h, w) bits."""
+        over = (entropy > self.threshold).float()[None, None]
+        # The mean over 3x3 counts the pixel itself: with one neighbour it is 2/9.
+        together = nn.functional.avg_pool2d(over, 3, stride=1, padding=1) > 1.5 / 9
+        found = over * together
+        if tuple(found.shape[-1:-3:-1]) != self.image_size:
+            found = enlarge_nearest(found, self.image_size)
+        return found[0, 0].to(torch.uint8)
+
+
+def _log2(p: Tensor) -> Tensor:
+    return p.clamp(min=TINY).log() * BITS
