@@ -24,7 +24,7 @@ class Section(BaseModel):
 class ImageConfig(Section):
     """At which size everything is computed."""
 
-    max_pixels: Annotated[int, Field(ge=1024)] = 110_000
+    max_pixels: Annotated[int, Field(ge=1024)] = 76_800
 
 
 class LabelConfig(Section):
@@ -49,14 +49,14 @@ class ModelConfig(Section):
 
     kind: Literal["fcn", "mobilenet_v3_small", "resnet18"] = "fcn"
     channels: Count = 32
-    dropout: Share = 0.3
+    dropout: Share = 0.25
     samples: Count = 16
 
 
 class TrainConfig(Section):
     """Training with the Lightning trainer."""
 
-    steps: Count = 400
+    steps: Count = 300
     batch: Count = 16
     crop: Annotated[int, Field(ge=32)] = 96
     learning_rate: Positive = 0.003

@@ -32,7 +32,9 @@ def test_the_default_net_is_small():
 
 def test_any_size_gives_a_map_of_that_size(net):
     for height, width in ((61, 83), (32, 32), (187, 621)):
-        assert net(torch.rand(1, 3, height, width)).shape == (1, 1, height, width)
+        image = np.zeros((height, width, 3), np.uint8)
+        assert sample_p_above(net, image).shape == (32, height, width)
+        assert single_pass_p_above(net, image).shape == (1, height, width)
 
 
 def test_sampling_is_dropout_with_the_kept_masks(net, image):
@@ -40,19 +42,21 @@ def test_sampling_is_dropout_with_the_kept_masks(net, image):
     with torch.no_grad():
         features = net.encode(image_tensor(image))
         masked = [features * mask[None, :, None, None] for mask in net.masks]
-        one_by_one = torch.cat([net.classifier(part) for part in masked], dim=1)
+        one_by_one = torch.stack([net.classifiers(part) for part in masked], dim=2).flatten(1, 2)
         together = net.sample_logits(features)
     torch.testing.assert_close(together, one_by_one, rtol=1e-4, atol=1e-5)
 
 
 def test_samples_differ_from_the_single_pass_and_centre_on_it(net, image):
     samples = sample_p_above(net, image)
-    assert samples.shape == (16, 61, 83)
-    assert samples.std(axis=0).max() > 1e-3
+    assert samples.shape == (32, 61, 83)
+    assert samples[:16].std(axis=0).max() > 1e-3
     with torch.no_grad():
         features = net.encode(image_tensor(image))
-        mean_logit = net.sample_logits(features).mean(dim=1, keepdim=True)
-        torch.testing.assert_close(mean_logit, net.classifier(features), rtol=1e-3, atol=1e-4)
+        mean_logits = net.sample_logits(features).unflatten(1, (2, 16)).mean(dim=2)
+        torch.testing.assert_close(mean_logits, net.classifiers(features), rtol=1e-3, atol=1e-4)
+    expected = net.classifiers(features).sigmoid().mean(dim=1)[0, 5, 5].item()
+    assert single_pass_p_above(net, image)[0, 20:23, 20:23].mean() == pytest.approx(expected, abs=0.2)
 
 
 def test_predictions_repeat_and_leave_the_random_state_alone(net, image):

@@ -1,3 +1,4 @@
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +8,14 @@ from scipy.sparse.csgraph import dijkstra
 
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.view import View
-from horizon_dl.targets.geodesic import geodesic_target, horizon_distance, horizon_seeds, lab_gradient
+from horizon_dl.targets.geodesic import (
+    BLUR,
+    CHROMA,
+    geodesic_target,
+    horizon_distance,
+    horizon_seeds,
+    step_cost,
+)
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
 from horizon_dl.targets.targets import TARGETS, make_target
@@ -109,7 +117,8 @@ def test_a_wall_through_the_horizon_is_mixed_and_its_floor_is_not(kind):
     target = make_target(kind, view)
     wall_foot, floor = target[75:90, 60:75], target[75:115, 5:40]
     assert np.median(wall_foot) > 0.2
-    assert np.median(floor) < 0.15
+    assert np.median(floor) < np.median(wall_foot) - 0.1
+    assert np.median(target[100:115, 5:40]) < 0.16
     wall_top = target[30:45, 60:75]
     np.testing.assert_allclose(np.median(wall_top), 1.0 - np.median(wall_foot), atol=0.1)
 
@@ -176,37 +185,70 @@ def dijkstra_distance(cost: np.ndarray, seeds: np.ndarray) -> np.ndarray:
 def test_horizon_distance_is_dijkstras():
     image, elevation = noise_image(1, 18, 22), level_elevation(18, 22, roll_rad=0.4)
     elevation[6:14, 4] = np.nan
-    got = horizon_distance(image, elevation, colour_cost=0.05, length_cost=1.0, blur=0.05)
-    cost = 0.05 * lab_gradient(image, 0.05 * 18).astype(np.float64) + 1.0 / 18
-    expected = dijkstra_distance(np.where(np.isnan(elevation), np.inf, cost), horizon_seeds(elevation))
+    got = horizon_distance(image, elevation)
+    cost = np.where(np.isnan(elevation), np.inf, step_cost(image))
+    expected = dijkstra_distance(cost, horizon_seeds(elevation))
     valid = ~np.isnan(elevation)
+    expected /= expected[valid & (elevation <= 0)].mean()
     np.testing.assert_allclose(got[valid], expected[valid], rtol=1e-4, atol=1e-6)
+
+
+def test_the_step_cost_against_its_formula():
+    """In float64 with OpenCV's Lab and blur."""
+    image = noise_image(3, 60, 80)
+    lab = cv2.cvtColor((image / 255).astype(np.float32), cv2.COLOR_RGB2LAB).astype(np.float64)
+    sigma = BLUR * np.sqrt(60 * 80)
+    smooth = cv2.GaussianBlur(lab * (1, CHROMA, CHROMA), (0, 0), sigma, borderType=cv2.BORDER_REFLECT)
+    down, right = np.gradient(smooth, axis=(0, 1))
+    gradient = np.sqrt((down**2 + right**2).sum(-1))
+    inner = (slice(4, -4), slice(4, -4))
+    expected = 0.1 + np.minimum((gradient / gradient.mean()) ** 1.5, 6.0)
+    np.testing.assert_allclose(step_cost(image)[inner], expected[inner], rtol=0.08)
 
 
 def test_a_flat_image_costs_its_length_alone():
     grey = np.full((41, 30, 3), 128, np.uint8)
     elevation = level_elevation(41, 30) + np.float32(1e-3)  # horizon between rows 20 and 21
-    distance = horizon_distance(grey, elevation, length_cost=2.0)
-    np.testing.assert_allclose(distance[:, 7], 2.0 / 41 * np.r_[20:-1:-1, 0:20], atol=1e-5)
-    target = geodesic_target(grey, elevation, length_cost=2.0)
-    np.testing.assert_allclose(target[40, 7], 0.5 * np.exp(-2.0 / 41 * 19), rtol=1e-4)
-    np.testing.assert_allclose(target[0, 7], 1 - 0.5 * np.exp(-2.0 / 41 * 20), rtol=1e-4)
+    steps = np.r_[20:-1:-1, 0:20]
+    relative = steps / np.arange(20).mean()
+    np.testing.assert_allclose(horizon_distance(grey, elevation)[:, 7], relative, atol=1e-5)
+    target = geodesic_target(grey, elevation)
+    np.testing.assert_allclose(target[40, 7], 0.5 * np.exp(-relative[40]), rtol=1e-4)
+    np.testing.assert_allclose(target[0, 7], 1 - 0.5 * np.exp(-relative[0]), rtol=1e-4)
 
 
-@pytest.mark.parametrize("size", [60, 240])
-def test_an_edge_costs_its_height_at_any_resolution(size):
-    image = np.full((size, size, 3), 119, np.uint8)  # L = 50.0
-    image[size * 3 // 4 :] = 171  # L = 69.9
-    distance = horizon_distance(image, level_elevation(size, size), colour_cost=0.1, length_cost=0.0)
-    assert distance[size * 5 // 8, size // 2] == pytest.approx(0.0, abs=1e-3)
-    assert distance[-1, size // 2] == pytest.approx(0.1 * 19.9, rel=0.02)
+def test_behind_an_edge_the_label_is_plainer():
+    image = room()
+    target = geodesic_target(image, level_elevation(*image.shape[:2]))
+    wall, grass = target[90, 66], target[90, 20]
+    behind = target[112, 66]  # the grass below the wall, behind its lower edge
+    assert wall > 2 * behind
+    assert grass > behind
+
+
+@pytest.mark.parametrize("factor", [2, 3])
+def test_resolution_hardly_matters(factor):
+    image = room()
+    large = np.kron(image, np.ones((factor, factor, 1), np.uint8))
+    small_target = geodesic_target(image, level_elevation(*image.shape[:2]))
+    large_target = geodesic_target(large, level_elevation(*large.shape[:2]))
+    assert np.abs(large_target[factor // 2 :: factor, factor // 2 :: factor] - small_target).mean() < 0.03
+
+
+@pytest.mark.parametrize("contrast", [0.5, 0.8])
+def test_contrast_hardly_matters(contrast):
+    image = room().astype(float)
+    faint = (128 + contrast * (image - 128)).astype(np.uint8)
+    elevation = level_elevation(*image.shape[:2])
+    difference = geodesic_target(faint, elevation) - geodesic_target(room(), elevation)
+    assert np.abs(difference).mean() < 0.03
 
 
 def test_no_path_leads_through_invalid_rays():
     elevation = level_elevation()
     elevation[30] = np.nan
     target = geodesic_target(np.full((HEIGHT, WIDTH, 3), 90, np.uint8), elevation)
-    assert (target[20:30] > 0.3).all()
+    assert (target[20:30] > 0.05).all()
     assert (target[31:] == 0.0).all()
 
 

@@ -25,6 +25,9 @@ EVALUATION_BEARINGS = Bearings(120, math.radians(1.0))
 class RangingTally:
     """Errors of free distances over the bearings whose true distance lies in an interval.
 
+    A contact below the image cannot be measured, but its obstacle must not be overlooked: such bearings count
+    for `missed` (ground beyond the obstacle reported free) and not for the errors.
+
     Attributes:
         near_m: the interval's near end, m.
         far_m: its far end, m.
@@ -40,7 +43,7 @@ class RangingTally:
     rules: RangingRules = field(default_factory=RangingRules)
     _relative: list[Floats] = field(default_factory=list)
     _within_2sd: list[NDArray[np.bool_]] = field(default_factory=list)
-    _counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(4, np.int64))
+    _counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(5, np.int64))
 
     def add(
         self,
@@ -72,34 +75,38 @@ class RangingTally:
             connected_only=self.connected_only,
             rules=self.rules,
         )
-        self.count(found, truth_m)
+        self.count(found, truth_m, frame.height_m)
         return found
 
-    def count(self, found: FreeDistances, truth_m: Floats) -> None:
-        """Count the bearings (sectors,) of one frame."""
+    def count(self, found: FreeDistances, truth_m: Floats, height_m: float) -> None:
+        """Count the bearings (sectors,) of one frame, its camera `height_m` over the floor."""
         with np.errstate(invalid="ignore"):
             used = (truth_m >= self.near_m) & (truth_m <= self.far_m)
         distance, truth = found.distance_m[used], truth_m[used]
         unknown = found.outcome[used] == Outcome.UNKNOWN
         met = found.outcome[used] == Outcome.OBSTACLE
+        in_view = height_m / truth < np.tan(found.nearest_rad[used])
+        covered = met & ~found.contact_seen[used]
         with np.errstate(invalid="ignore"):
-            missed = ~unknown & (distance > MISSED_FACTOR * truth)
+            missed = ~unknown & (distance > MISSED_FACTOR * truth) & (in_view | ~covered)
             false_stop = met & (distance < FALSE_STOP_FACTOR * truth)
-        self._counts += [len(truth), unknown.sum(), missed.sum(), false_stop.sum()]
-        error = np.abs(distance[met] - truth[met])
-        self._relative.append((error / truth[met]).astype(np.float32))
-        self._within_2sd.append(error <= 2 * found.sd_m[used][met])
+        self._counts += [len(truth), (~in_view).sum(), unknown.sum(), missed.sum(), false_stop.sum()]
+        measured = met & in_view
+        error = np.abs(distance[measured] - truth[measured])
+        self._relative.append((error / truth[measured]).astype(np.float32))
+        self._within_2sd.append(error <= 2 * found.sd_m[used][measured])
 
     def metrics(self) -> dict[str, Any]:
         """The figures; None where there was nothing to measure.
 
         `columns` bearings had a true distance in the interval. Of them `missed` (share reported free beyond
-        1.5 times the true distance), `false_stop` (share reported under 0.67 times) and `unknown`;
-        `median_relative_error` and `within_2sd` are over those with a reported obstacle.
+        1.5 times the true distance), `false_stop` (share reported under 0.67 times), `unknown`, and
+        `contact_below_view`; `median_relative_error` and `within_2sd` are over the others with a reported
+        obstacle.
         """
         columns, *shares = (int(n) for n in self._counts)
         relative, within = _joined(self._relative), _joined(self._within_2sd)
-        names = ("unknown", "missed", "false_stop")
+        names = ("contact_below_view", "unknown", "missed", "false_stop")
         return {
             "median_relative_error": float(np.median(relative)) if len(relative) else None,
             "columns": columns,

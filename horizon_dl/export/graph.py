@@ -50,27 +50,31 @@ class WholeWay(nn.Module):
         self.image_size = (camera.width, camera.height)
         self.size = working_size(camera, max_pixels)
         self.resize = AreaShrink(self.image_size, self.size)
-        self.net = net
+        self.encode = Encode(net)
         self.uncertainty = Uncertainty(net, self.size, sampled=sampled)
         self.horizon = Horizon(camera.scaled(*self.size))
-        self.obstacles = ObstacleMap(threshold, self.image_size)
+        self.measures = MeasureMaps()
+        self.obstacles = ObstacleMap(threshold, self.size, self.image_size)
 
     def forward(self, image: Tensor, up_cam: Tensor) -> Maps:
         """Maps of (1, H, W, 3) uint8 RGB and the (3,) up direction in the optical frame."""
-        features = self.net.encode(self.resize(image) / 255.0)
-        p_above, mutual_information = self.uncertainty(features)
-        log_yes, log_no = _log2(p_above), _log2(1 - p_above)
-        entropy = (-p_above * log_yes - (1 - p_above) * log_no).clamp(0.0, 1.0)
+        p_above, mutual_information = self.uncertainty(self.encode(self.resize(image)))
         elevation, above = self.horizon(up_cam)
-        return Maps(
-            p_above,
-            entropy,
-            (entropy - mutual_information).clamp(min=0.0),
-            mutual_information,
-            -torch.where(above, log_yes, log_no),
-            elevation,
-            self.obstacles(entropy),
-        )
+        entropy, expected_entropy, surprisal = self.measures(p_above, mutual_information, above)
+        obstacles = self.obstacles(entropy)
+        return Maps(p_above, entropy, expected_entropy, mutual_information, surprisal, elevation, obstacles)
+
+
+class Encode(nn.Module):
+    """The net up to its last layer."""
+
+    def __init__(self, net: HorizonFCN) -> None:
+        super().__init__()
+        self.net = net
+
+    def forward(self, image: Tensor) -> Tensor:
+        """Features of (1, 3, h, w) grey levels."""
+        return self.net.encode(image / 255.0)
 
 
 class Uncertainty(nn.Module):
@@ -100,6 +104,16 @@ class Uncertainty(nn.Module):
         return maps[0], maps[1]
 
 
+class MeasureMaps(nn.Module):
+    """What follows from the mean probability, the mutual information and the side of the horizon."""
+
+    def forward(self, p_above: Tensor, information: Tensor, above: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+        """Entropy, expected entropy and surprisal, (h, w) bits."""
+        log_yes, log_no = _log2(p_above), _log2(1 - p_above)
+        entropy = (-p_above * log_yes - (1 - p_above) * log_no).clamp(0.0, 1.0)
+        return entropy, (entropy - information).clamp(min=0.0), -torch.where(above, log_yes, log_no)
+
+
 class Horizon(nn.Module):
     """Elevation of every pixel from the camera's rays, NaN where the lens model or the attitude gives none."""
 
@@ -124,9 +138,9 @@ class Horizon(nn.Module):
 class ObstacleMap(nn.Module):
     """Entropy over the threshold, without pixels that stand alone, at the image's size."""
 
-    def __init__(self, threshold: float, image_size: tuple[int, int]) -> None:
+    def __init__(self, threshold: float, size: tuple[int, int], image_size: tuple[int, int]) -> None:
         super().__init__()
-        self.threshold, self.image_size = threshold, image_size
+        self.threshold, self.size, self.image_size = threshold, size, image_size
 
     def forward(self, entropy: Tensor) -> Tensor:
         """(H, W) uint8, 1 obstacle, of (h, w) bits."""
@@ -134,7 +148,7 @@ class ObstacleMap(nn.Module):
         # The mean over 3x3 counts the pixel itself: with one neighbour it is 2/9.
         together = nn.functional.avg_pool2d(over, 3, stride=1, padding=1) > 1.5 / 9
         found = over * together
-        if tuple(found.shape[-1:-3:-1]) != self.image_size:
+        if self.size != self.image_size:
             found = enlarge_nearest(found, self.image_size)
         return found[0, 0].to(torch.uint8)
 

@@ -17,9 +17,17 @@ from horizon_dl.models.fcn import HorizonFCN
 
 
 def horizon_loss(logits: Tensor, batch: Batch) -> Tensor:
-    """Cross-entropy with the soft targets, nats, mean over the pixels that count."""
-    losses = F.binary_cross_entropy_with_logits(logits, batch.targets, reduction="none")
-    return (losses * batch.weights).sum() / batch.weights.sum().clamp(min=1.0)
+    """Cross-entropy with the soft targets, nats, mean over the pixels that count and over the depths.
+
+    Args:
+        logits: (N, depths, h, w), as coarse as the net gives them; targets are averaged to that size.
+        batch: targets and weights, (N, 1, H, W).
+    """
+    targets, weights = (
+        F.interpolate(part, size=logits.shape[-2:], mode="area") for part in (batch.targets, batch.weights)
+    )
+    losses = F.binary_cross_entropy_with_logits(logits, targets.expand_as(logits), reduction="none")
+    return (losses.mean(dim=1, keepdim=True) * weights).sum() / weights.sum().clamp(min=1.0)
 
 
 class HorizonModule(lightning.LightningModule):

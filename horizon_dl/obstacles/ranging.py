@@ -5,7 +5,7 @@ Source: arXiv:1806.08007, section on obstacle distance; the error terms are that
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -60,6 +60,7 @@ class FreeDistances:
         sd_m: its standard deviation; NaN where there is no finite distance.
         depression_rad: of the contact; 0 where free, NaN where unknown.
         contact_seen: False where the obstacle covers the nearest visible ground: it is at most that far away.
+        nearest_rad: depression of the nearest ground that the camera sees; 0 outside of its view.
     """
 
     bearing_rad: Floats
@@ -68,6 +69,7 @@ class FreeDistances:
     sd_m: Floats
     depression_rad: Floats
     contact_seen: Mask
+    nearest_rad: Floats
 
 
 def free_distances(
@@ -102,20 +104,23 @@ def free_distances(
     unseen_rows = min(_rows(rules.unseen_rad, polar), polar.rows - 1)
     window = max(1, _rows(rules.extent_rad, polar))
     contact = first_contact(obstacle_cells, seen_cells, window, rules.share, unseen_rows)
-    visible = np.where(seen_cells, np.arange(1, polar.rows + 1), 0).max(axis=1)
+    visible = _nearest_rows(seen_cells)
     outcome = np.where(contact >= 0, Outcome.OBSTACLE, Outcome.FREE).astype(np.uint8)
     outcome[visible < window + unseen_rows] = Outcome.UNKNOWN
     doubt = _doubtful_rows(obstacle_cells, seen_cells, contact, window)
-    return _in_metres(polar, outcome, contact, contact < visible - 1, doubt, height_m, rules)
+    gap = _rows_to_ground(seen_cells, contact)
+    edge = np.where(contact < visible - 1, contact + (1 + gap) / 2, contact + 1)
+    found = _in_metres(polar, outcome, edge, doubt + gap / 2, height_m, rules)
+    return replace(found, contact_seen=found.contact_seen & (contact < visible - 1))
 
 
 def no_distances(bearing_rad: Floats) -> FreeDistances:
     """`UNKNOWN` everywhere: what holds without an attitude or a picture."""
     nothing = np.full(len(bearing_rad), np.nan, np.float32)
     outcome = np.full(len(bearing_rad), Outcome.UNKNOWN, np.uint8)
-    return FreeDistances(
-        bearing_rad, outcome, nothing, nothing, nothing, np.zeros(len(bearing_rad), np.bool_)
-    )
+    unseen = np.zeros(len(bearing_rad), np.bool_)
+    zero = np.zeros(len(bearing_rad), np.float32)
+    return FreeDistances(bearing_rad, outcome, nothing, nothing, nothing, unseen, zero)
 
 
 def first_contact(
@@ -175,6 +180,18 @@ def _window_sums(mask: Mask, window: int) -> NDArray[np.int32]:
     return total
 
 
+def _nearest_rows(seen: Mask) -> NDArray[np.int64]:
+    """(sectors,) one more than the last row that is seen, 0 for none."""
+    return np.asarray(np.where(seen, np.arange(1, seen.shape[1] + 1), 0).max(axis=1))
+
+
+def _rows_to_ground(seen: Mask, contact: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(sectors,) rows from the contact's down to the next one that is seen; 1 in a map without gaps."""
+    rows = np.arange(seen.shape[1])
+    below = seen & (rows > contact[:, None])
+    return np.where(below.any(axis=1), below.argmax(axis=1) - contact, 1)
+
+
 def _doubtful_rows(
     obstacle: Mask, seen: Mask, contact: NDArray[np.int64], window: int
 ) -> NDArray[np.float32]:
@@ -189,15 +206,13 @@ def _doubtful_rows(
 def _in_metres(
     polar: PolarView,
     outcome: NDArray[np.uint8],
-    contact: NDArray[np.int64],
-    contact_seen: Mask,
-    doubtful_rows: Floats,
+    edge_rows: NDArray[np.floating],
+    doubtful_rows: NDArray[np.floating],
     height_m: float | None,
     rules: RangingRules,
 ) -> FreeDistances:
     met = outcome == Outcome.OBSTACLE
-    # The contact lies at the near edge of its row.
-    depression = np.where(met, (contact + 1) * polar.row_step_rad, np.nan)
+    depression = np.where(met, edge_rows * polar.row_step_rad, np.nan)
     height = height_m if height_m is not None and height_m > 0 else math.nan
     distance = height / np.tan(depression)
     sd = distance_sd(distance, height, polar.row_step_rad * (0.5 + doubtful_rows), rules)
@@ -208,7 +223,8 @@ def _in_metres(
         np.where(free, np.inf, distance).astype(np.float32),
         sd.astype(np.float32),
         np.where(free, 0.0, depression).astype(np.float32),
-        met & contact_seen,
+        met,
+        (_nearest_rows(polar.pixels > 0) * polar.row_step_rad).astype(np.float32),
     )
 
 

@@ -15,7 +15,7 @@ def image_tensor(image: NDArray[np.uint8]) -> Tensor:
 
 @torch.inference_mode()
 def sample_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """`p_above` of one image under each of the net's dropout masks, (samples, h, w) in [0, 1].
+    """`p_above` of one image by each classifier under each mask, (depths * masks, h, w) in [0, 1].
 
     Source: Gal and Ghahramani, Dropout as a Bayesian approximation, ICML 2016.
     """
@@ -27,7 +27,7 @@ def sample_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> NDArray[np.floa
 def single_pass_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> NDArray[np.float32]:
     """`p_above` of one image without dropout, (1, h, w) in [0, 1]."""
     net.eval()
-    return _probabilities(net.classifier(net.encode(image_tensor(image))), image)
+    return _probabilities(net(image_tensor(image)), image).mean(axis=0, keepdims=True)
 
 
 def _probabilities(logits: Tensor, image: NDArray[np.uint8]) -> NDArray[np.float32]:

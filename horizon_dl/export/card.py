@@ -1,0 +1,108 @@
+"""The card of a model file: what it is, where it comes from, what goes in and what comes out."""
+
+import hashlib
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from safetensors.torch import save
+
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.view import working_size
+from horizon_dl.learning.run import Run
+from horizon_dl.models.build import parameter_count
+from horizon_dl.provenance import versions
+
+KIND = "horizon-dl obstacle model"
+WHAT = (
+    "A small fully convolutional net that tells what lies above the horizon from what lies below it, trained "
+    "on labels that the attitude gives for free. It stays unsure about what stands on both sides: its "
+    "predictive entropy is the obstacle score (after arXiv:1806.08007)."
+)
+SAMPLES = (
+    "The dropout samples are fixed masks folded into the weights of the last layer, so the file holds no random "
+    "operator and repeats itself in every runtime."
+)
+LIMITS = (
+    "Made for one camera in the surroundings it was trained in. Entropy is high on every appearance that it "
+    "has seen on both sides or never; the map is no proof of free space."
+)
+LICENCE = "The program is under the MIT licence; the weights are under the terms of the data they were trained on."
+PATENTS = "The approach is described in patent application WO 2019/093885."
+
+INPUTS = {
+    "image": "uint8 (1, H, W, 3), RGB in [0, 255], upright, at the camera's own size",
+    "up_cam": "float32 (3,), the world's up as a unit vector in the camera's optical frame (x right, y down, "
+    "z forward); three NaN where the attitude is not known",
+}
+OUTPUTS = {
+    "p_above": "float32 (h, w) in [0, 1]: probability that the appearance belongs above the horizon, mean over "
+    "the dropout samples",
+    "entropy": "float32 (h, w), bits in [0, 1]: predictive entropy of p_above, the obstacle score",
+    "expected_entropy": "float32 (h, w), bits in [0, 1]: entropy less mutual information",
+    "mutual_information": "float32 (h, w), bits in [0, 1]: disagreement of the dropout samples, computed on the "
+    "net's coarse grid and enlarged",
+    "surprisal": "float32 (h, w), bits in [0, 126]: -log2 of the probability of the side of the horizon that the "
+    "pixel really is on; means nothing without up_cam",
+    "elevation": "float32 (h, w), rad in [-pi/2, pi/2], positive above the horizon; NaN without up_cam and where "
+    "the lens model gives no ray",
+    "obstacles": "uint8 (H, W): 1 where the entropy is over the threshold, without pixels that have no obstacle "
+    "among their 8 neighbours; nearest-pixel enlargement of the working size",
+}
+LEFT_OUT = {
+    "fused": "the geodesic diffusion of the frame's own horizon label is a shortest-path search, no tensor operator",
+    "single_pass_entropy": "the same net without dropout would cost a second last layer; it is a baseline only",
+    "free distance": "ranging needs the height, which is no input of the image's graph",
+}
+
+
+def make_card(run: Run, camera: Camera) -> dict[str, Any]:
+    """All that is known before anything is measured, ready for JSON; `parity` and `measured` come later."""
+    config, info = run.config, run.info
+    return {
+        "kind": KIND,
+        "what": WHAT,
+        "limits": LIMITS,
+        "net": {
+            **config.model.model_dump(mode="json"),
+            "parameters": parameter_count(run.net),
+            "sampling": SAMPLES,
+        },
+        "trained_on": {key: info.get(key) for key in ("data", "format", "frames", "train_s")},
+        "trained_camera": camera_is_trained(info, camera),
+        "camera": asdict(camera),
+        "image_size": [camera.width, camera.height],
+        "working_size": list(working_size(camera, config.image.max_pixels)),
+        "inputs": INPUTS,
+        "outputs": OUTPUTS,
+        "left_out": LEFT_OUT,
+        "threshold": {
+            "value": run.threshold,
+            "unit": "bits",
+            "rule": info.get("threshold_rule"),
+            "chosen_on": "the entropies of the training frames; no obstacle label is ever used",
+        },
+        "false_positive_rate": None,
+        "config": config.model_dump(mode="json"),
+        "versions": versions(),
+        "trained_with": info.get("versions"),
+        "weights_sha256": weights_hash(run),
+        "licence": LICENCE,
+        "patents": PATENTS,
+    }
+
+
+def camera_is_trained(info: dict[str, Any], camera: Camera) -> bool:
+    """Whether the camera is the one of the training data."""
+    stored = info.get("camera")
+    return bool(stored) and {**stored, "distortion": tuple(stored["distortion"])} == asdict(camera)
+
+
+def weights_hash(run: Run) -> str:
+    """SHA-256 of the weights as a safetensors file: that of the run folder's own."""
+    return hashlib.sha256(save({k: v.contiguous() for k, v in run.net.state_dict().items()})).hexdigest()
+
+
+def short_name(path: Path) -> str:
+    """The name of a data folder for a card, without the machine's path."""
+    return path.resolve().name

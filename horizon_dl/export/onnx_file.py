@@ -1,0 +1,73 @@
+"""Writing the graph as an ONNX file with its card and seal inside."""
+
+import io
+import json
+import logging
+import warnings
+from typing import Any
+
+import onnx
+import torch
+
+from horizon_dl import __version__
+from horizon_dl.export.card import INPUTS, KIND, OUTPUTS
+from horizon_dl.export.graph import WholeWay
+from horizon_dl.onboard.model import CARD_KEY
+from horizon_dl.onboard.seal import BLANK, sealed
+
+OPSET = 18
+RANDOM_OPERATORS = {
+    "Bernoulli",
+    "Dropout",
+    "Multinomial",
+    "RandomNormal",
+    "RandomNormalLike",
+    "RandomUniform",
+    "RandomUniformLike",
+}
+
+
+def graph_of(module: WholeWay) -> onnx.ModelProto:
+    """The module as an ONNX graph with named and described inputs and outputs.
+
+    The exporter that traces is used: it needs no further package and writes no source locations.
+
+    Raises:
+        RuntimeError: an operator of the graph is random, or a dropout that runtimes remove.
+    """
+    width, height = module.image_size
+    image = torch.zeros(1, height, width, 3, dtype=torch.uint8)
+    buffer = io.BytesIO()
+    with warnings.catch_warnings(), torch.inference_mode():
+        warnings.simplefilter("ignore")
+        logging.getLogger("torch.onnx").setLevel(logging.ERROR)
+        torch.onnx.export(
+            module.eval(),
+            (image, torch.tensor([0.0, -1.0, 0.0])),
+            buffer,
+            dynamo=False,
+            opset_version=OPSET,
+            input_names=list(INPUTS),
+            output_names=list(OUTPUTS),
+        )
+    graph = onnx.load_from_string(buffer.getvalue())
+    found = RANDOM_OPERATORS & {node.op_type for node in graph.graph.node}
+    if found:
+        raise RuntimeError(f"the graph holds {', '.join(sorted(found))}; a deployed graph may not be random")
+    for value in (*graph.graph.input, *graph.graph.output):
+        value.doc_string = {**INPUTS, **OUTPUTS}[value.name]
+    return graph
+
+
+def file_bytes(graph: onnx.ModelProto, card: dict[str, Any]) -> bytes:
+    """The sealed file of a graph and its card."""
+    file = onnx.ModelProto()
+    file.CopyFrom(graph)
+    file.doc_string = BLANK
+    file.producer_name, file.producer_version = "horizon-dl", __version__
+    file.graph.name = "obstacles"
+    texts = {"kind": KIND, CARD_KEY: json.dumps(card, allow_nan=False)}
+    texts |= {key: card[key] for key in ("what", "limits", "licence", "patents", "weights_sha256")}
+    onnx.helper.set_model_props(file, texts)
+    onnx.checker.check_model(file, full_check=True)
+    return sealed(file.SerializeToString(deterministic=True))

@@ -1,0 +1,213 @@
+"""Ranging against floors and walls whose distances are known from their geometry."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.obstacles.polar import Bearings, directions_to_polar, level_axes, polar_view
+from horizon_dl.obstacles.ranging import (
+    Outcome,
+    RangingRules,
+    connected_to_horizon,
+    distance_sd,
+    first_contact,
+    free_distances,
+    no_distances,
+)
+
+PINHOLE = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
+RADTAN = Camera("radtan", 160, 120, 120.0, 118.0, 81.0, 60.0, (-0.25, 0.06, 0.001, -0.001, 0.0))
+FISHEYE = Camera("kannala_brandt", 160, 120, 90.0, 90.0, 79.5, 59.5, (0.01, -0.01, 0.004, -0.001))
+BEARINGS = Bearings(30, math.radians(2.0))
+
+
+def up_of(roll_deg: float, pitch_deg: float) -> NDArray[np.float64]:
+    q = quaternion_from_rpy(math.radians(roll_deg), math.radians(pitch_deg), 0.3)
+    return up_in_camera(q, (0.0, 0.0, 0.0))
+
+
+def wall_map(
+    directions: NDArray[np.float32], up: NDArray[np.float64], height_m: float, distance_m: float
+) -> NDArray[np.bool_]:
+    """A cylinder wall around the camera: every pixel whose floor point is farther, or above the horizon."""
+    sine = directions.astype(np.float64) @ up
+    with np.errstate(divide="ignore", invalid="ignore"):
+        floor_m = height_m * np.sqrt(1 - sine**2) / -sine
+    return (sine >= 0) | (floor_m > distance_m)
+
+
+@pytest.mark.parametrize("camera", [PINHOLE, RADTAN, FISHEYE])
+@pytest.mark.parametrize(("roll", "pitch"), [(0, -10), (25, -15), (-40, -20)])
+def test_a_wall_all_around_is_equally_far_on_every_bearing(camera: Camera, roll: float, pitch: float) -> None:
+    directions, up = camera_rays(camera).directions, up_of(roll, pitch)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    found = free_distances(wall_map(directions, up, 1.2, 4.0), polar, 1.2)
+    seen = found.nearest_rad > math.atan(1.2 / 4.0) + math.radians(2)
+    assert seen.sum() >= 8
+    assert (found.outcome[seen] == Outcome.OBSTACLE).all()
+    assert found.contact_seen[seen].all()
+    np.testing.assert_allclose(found.distance_m[seen], 4.0, rtol=0.05)
+    assert (np.abs(found.distance_m[seen] - 4.0) < 2 * found.sd_m[seen]).all()
+
+
+def test_bearings_are_vertical_planes_and_grow_clockwise() -> None:
+    # Hand-computed: camera rolled by 90 degrees (right side down): image "right" is the world's down.
+    up = np.array([-1.0, 0.0, 0.0])
+    bearing, depression = directions_to_polar(np.array([[0.6, 0.0, 0.8], [0.0, -0.6, 0.8]], np.float32), up)
+    np.testing.assert_allclose(bearing, [0.0, math.atan2(0.6, 0.8)], atol=1e-6)
+    np.testing.assert_allclose(depression, [math.asin(0.6), 0.0], atol=1e-6)
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.floats(-60, 60), st.floats(-50, 50), st.floats(-170, 170), st.floats(-80, 80))
+def test_polar_angles_undo_a_direction_built_from_them(
+    roll: float, pitch: float, bearing_deg: float, depression_deg: float
+) -> None:
+    up = up_of(roll, pitch)
+    ahead, right, _ = level_axes(up, (0.0, 0.0, 1.0)).astype(np.float64)
+    b, a = math.radians(bearing_deg), math.radians(depression_deg)
+    ray = math.cos(a) * (math.cos(b) * ahead + math.sin(b) * right) - math.sin(a) * up
+    bearing, depression = directions_to_polar(ray[None].astype(np.float32), up)
+    assert bearing[0] == pytest.approx(b, abs=1e-5)
+    assert depression[0] == pytest.approx(a, abs=1e-4)
+
+
+def test_bearing_zero_can_be_the_bodys_forward_axis() -> None:
+    # The camera looks 30 degrees to the right of the body: its middle is at bearing +30.
+    forward = (-math.sin(math.radians(30)), 0.0, math.cos(math.radians(30)))
+    bearing, _ = directions_to_polar(np.array([[0.0, 0.0, 1.0]], np.float32), (0.0, -1.0, 0.0), forward)
+    assert math.degrees(bearing[0]) == pytest.approx(30, abs=1e-4)
+
+
+def test_a_vertical_bearing_zero_is_refused() -> None:
+    with pytest.raises(ValueError, match="vertical"):
+        level_axes((0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
+
+
+def test_every_pixel_below_the_horizon_in_reach_is_counted_once() -> None:
+    directions, up = camera_rays(RADTAN).directions, up_of(10, -12)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    bearing, depression = directions_to_polar(directions, up)
+    inside = (np.abs(bearing) < math.radians(30)) & (depression >= 0)
+    assert polar.pixels.sum() == pytest.approx(inside.sum(), abs=2)
+    np.testing.assert_array_equal(polar.counts(np.ones(directions.shape[:2], bool)), polar.pixels)
+
+
+def test_free_and_unknown_are_kept_apart() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -10)
+    polar = polar_view(directions, up, bearings=Bearings(72, math.radians(5)))
+    found = free_distances(np.zeros((120, 160), bool), polar, 1.0)
+    inside = np.abs(found.bearing_rad) < math.radians(30)
+    assert (found.outcome[inside] == Outcome.FREE).all()
+    assert np.isinf(found.distance_m[inside]).all()
+    outside = np.abs(found.bearing_rad) > math.radians(40)
+    assert (found.outcome[outside] == Outcome.UNKNOWN).all()
+    assert np.isnan(found.distance_m[outside]).all()
+    assert np.isnan(found.sd_m).all()
+
+
+def test_a_camera_that_looks_up_knows_nothing() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, 60)
+    found = free_distances(np.zeros((120, 160), bool), polar_view(directions, up), 1.0)
+    assert (found.outcome == Outcome.UNKNOWN).all()
+
+
+@pytest.mark.parametrize("height", [None, 0.0, -1.0])
+def test_without_height_there_are_bearings_but_no_metres(height: float | None) -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -10)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    found = free_distances(wall_map(directions, up, 1.0, 3.0), polar, height)
+    met = found.outcome == Outcome.OBSTACLE
+    assert met.sum() > 20
+    assert np.isnan(found.distance_m[met]).all()
+    np.testing.assert_allclose(found.depression_rad[met], math.atan(1 / 3), atol=math.radians(0.6))
+
+
+def test_specks_are_passed_and_gaps_bridged() -> None:
+    obstacle = np.zeros((3, 40), bool)
+    obstacle[:, :20] = True
+    obstacle[0, 30] = True  # a speck on the floor
+    obstacle[1, 17:19] = False  # a gap in the obstacle
+    contact = first_contact(obstacle, np.ones_like(obstacle), window=8, share=0.6)
+    assert contact.tolist() == [19, 19, 19]
+
+
+def test_cells_without_pixels_say_nothing() -> None:
+    obstacle = np.zeros((1, 40), bool)
+    seen = np.zeros((1, 40), bool)
+    seen[0, ::4] = True  # lines of a lidar
+    obstacle[0, :20:4] = True
+    assert first_contact(obstacle, seen, window=8, share=0.6).tolist() == [16]
+
+
+def test_the_contact_lies_between_the_last_ground_and_the_first_obstacle() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -10)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    wall = wall_map(directions, up, 1.0, 3.0)
+    known = np.zeros_like(wall)
+    known[::6] = True
+    sparse = free_distances(wall, polar, 1.0, known=known)
+    middle = np.abs(sparse.bearing_rad) < math.radians(20)
+    assert (sparse.outcome[middle] == Outcome.OBSTACLE).all()
+    error = np.abs(sparse.distance_m[middle] - 3.0)
+    assert error.max() < 3.0 * 0.15
+    assert (error < 2 * sparse.sd_m[middle]).all()
+
+
+def test_mats_are_obstacles_but_not_connected_ones() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    beyond_2, beyond_3 = (wall_map(directions, up, 1.0, d) for d in (2.0, 3.0))
+    wall = wall_map(directions, up, 1.0, 8.0)
+    mat = (beyond_2 & ~beyond_3) | wall
+    middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
+    everything = free_distances(mat, polar, 1.0)
+    connected = free_distances(mat, polar, 1.0, connected_only=True)
+    np.testing.assert_allclose(everything.distance_m[middle], 2.0, rtol=0.06)
+    np.testing.assert_allclose(connected.distance_m[middle], 8.0, rtol=0.12)
+
+
+def test_connection_may_go_sideways() -> None:
+    obstacle = np.zeros((4, 10), bool)
+    obstacle[1, 0:6] = True  # a pole up to the horizon
+    obstacle[2, 5] = True  # its foot sticks out
+    obstacle[3, 8] = True  # a stone
+    connected = connected_to_horizon(obstacle, np.ones_like(obstacle), horizon_rows=1)
+    assert connected[2, 5]
+    assert not connected[3, 8]
+    assert connected.sum() == 7
+
+
+def test_an_obstacle_at_the_images_edge_is_at_most_that_far() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -10)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    found = free_distances(wall_map(directions, up, 1.0, 0.5), polar, 1.0)
+    met = found.outcome == Outcome.OBSTACLE
+    assert met.sum() > 20
+    assert not found.contact_seen[met].any()
+    np.testing.assert_allclose(found.distance_m[met], 1.0 / np.tan(found.nearest_rad[met]), rtol=1e-4)
+
+
+def test_uncertainty_is_the_spread_of_the_formula() -> None:
+    # Reference: draw errors and take the standard deviation of the distances.
+    rng = np.random.default_rng(0)
+    rules = RangingRules(attitude_sd_rad=math.radians(0.5), height_sd=0.03)
+    depression = math.atan(1.2 / 5)
+    drawn_angles = depression + rng.normal(0, math.hypot(math.radians(0.5), math.radians(0.2)), 200_000)
+    drawn = 1.2 * (1 + rng.normal(0, 0.03, 200_000)) / np.tan(drawn_angles)
+    sd = distance_sd(np.array([5.0]), 1.2, np.array([math.radians(0.2)]), rules)
+    assert sd[0] == pytest.approx(drawn.std(), rel=0.03)
+
+
+def test_nothing_known_gives_unknown_everywhere() -> None:
+    found = no_distances(BEARINGS.centres_rad)
+    assert (found.outcome == Outcome.UNKNOWN).all()
+    assert np.isnan(found.distance_m).all()
+    assert not found.contact_seen.any()
