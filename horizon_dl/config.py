@@ -56,9 +56,9 @@ class ModelConfig(Section):
 class TrainConfig(Section):
     """Training with the Lightning trainer."""
 
-    steps: Count = 300
-    batch: Count = 16
-    crop: Annotated[int, Field(ge=32)] = 96
+    rounds: tuple[Count, ...] = Field((150, 200), min_length=1)
+    batch: Count = 9
+    crop: Annotated[int, Field(ge=32)] = 128
     learning_rate: Positive = 0.003
     weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
     memory_mb: Count = 1024

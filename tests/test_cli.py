@@ -13,7 +13,7 @@ from toy import write_toy_set
 
 from horizon_dl.cli import VERBS, main
 
-QUICK = ["--train.steps", "12", "--train.batch", "4", "--train.crop", "32", "--model.samples", "4"]
+QUICK = ["--train.rounds", "[8, 4]", "--train.batch", "4", "--train.crop", "32", "--model.samples", "4"]
 QUICK += ["--forest.training_pixels", "4000", "--online.steps_per_frame=1", "--online.batch=2"]
 FIGURES = {"auc", "auc_within_depression", "ap", "fpr95", "best_f1"}
 NET_SCORES = {
@@ -218,7 +218,7 @@ def test_a_few_unreadable_frames_are_counted_not_fatal(tmp_path, capsys):
         [],
         ["compare", "DATA", "--out", "OUT", "--seeds", "0"],
         ["compare", "DATA", "--out", "OUT", "--protocol", "none"],
-        ["data", "list", "--train.steps", "3"],
+        ["data", "list", "--train.batch", "3"],
     ],
 )
 def test_wrong_use_exits_with_2(arguments, capsys):

@@ -19,8 +19,8 @@ def test_every_builtin_config_loads():
 
 
 def test_overrides_go_on_top_and_survive_a_round_trip(tmp_path):
-    config = load_config(None, ["train.steps=7", "target.kind=guided", "model.dropout=0.5"])
-    assert (config.train.steps, config.target.kind, config.model.dropout) == (7, "guided", 0.5)
+    config = load_config(None, ["train.rounds=[7]", "target.kind=guided", "model.dropout=0.5"])
+    assert (config.train.rounds, config.target.kind, config.model.dropout) == ((7,), "guided", 0.5)
     save_config(config, tmp_path / "c.yaml")
     assert load_config(tmp_path / "c.yaml") == config
 
@@ -29,8 +29,8 @@ def test_overrides_go_on_top_and_survive_a_round_trip(tmp_path):
     ("override", "words"),
     [
         ("train.stepz=7", "has no key 'train.stepz'"),
-        ("train.steps=0", "train.steps = 0"),
-        ("train.steps=many", "train.steps = 'many'"),
+        ("train.batch=0", "train.batch = 0"),
+        ("train.batch=many", "train.batch = 'many'"),
         ("target.kind=soft", "target.kind = 'soft'"),
         ("seed.x=1", "'seed' is a value"),
     ],

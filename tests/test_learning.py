@@ -17,7 +17,13 @@ from horizon_dl.learning.store import FramePool, FrameStore
 from horizon_dl.learning.train import train_net, train_run
 from horizon_dl.uncertainty.dropout import single_pass_p_above
 
-SMALL = ["train.steps=12", "train.batch=4", "train.crop=32", "online.batch=4", "online.steps_per_frame=2"]
+SMALL = [
+    "train.rounds=[8, 4]",
+    "train.batch=4",
+    "train.crop=32",
+    "online.batch=4",
+    "online.steps_per_frame=2",
+]
 
 
 @pytest.fixture(scope="module")
@@ -90,11 +96,15 @@ def test_replay_is_bounded_and_uniform():
 def test_a_pool_too_small_for_the_set_exchanges_its_frames(toy, config):
     store = FrameStore(toy, config)
     rng = np.random.default_rng(0)
-    whole = FramePool(store, range(24), memory_mb=64, rng=rng)
+
+    def make(view):
+        return training_frame(view, config)
+
+    whole = FramePool(store, range(24), make_frame=make, memory_mb=64, rng=rng)
     assert whole.complete
     assert len(whole.frames) == 24
     bytes_mb = whole.frames[0].nbytes / 2**20
-    tight = FramePool(store, range(24), memory_mb=4 * bytes_mb, rng=rng)
+    tight = FramePool(store, range(24), make_frame=make, memory_mb=4 * bytes_mb, rng=rng)
     assert not tight.complete
     size = len(tight.frames)
     seen = {id(frame) for _ in range(40) for frame in tight.draw(2)}
@@ -119,7 +129,7 @@ def test_training_does_not_touch_the_global_random_state(toy, config):
 
 @pytest.mark.slow
 def test_the_net_learns_the_toy_horizon(toy):
-    config = load_config(None, ["train.steps=60", "train.batch=8", "train.crop=48"])
+    config = load_config(None, ["train.rounds=[60]", "train.batch=8", "train.crop=48"])
     store = FrameStore(toy, config)
     net = train_net(store, range(20), seed=0)
     view = next(store.views([22]))

@@ -11,15 +11,16 @@ from numpy.typing import NDArray
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.obstacles.contact import RiseRules, connected_to_horizon, first_contact, first_rise
 from horizon_dl.obstacles.polar import Bearings, directions_to_polar, level_axes, polar_view
 from horizon_dl.obstacles.ranging import (
     Outcome,
     RangingRules,
-    connected_to_horizon,
     distance_sd,
-    first_contact,
     free_distances,
+    free_distances_from_p,
     no_distances,
+    p_of_entropy,
 )
 
 PINHOLE = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
@@ -211,3 +212,82 @@ def test_nothing_known_gives_unknown_everywhere() -> None:
     assert (found.outcome == Outcome.UNKNOWN).all()
     assert np.isnan(found.distance_m).all()
     assert not found.contact_seen.any()
+
+
+def noisy_p(wall: NDArray[np.bool_], floor: float, obstacle: float, seed: int = 0) -> NDArray[np.float32]:
+    rng = np.random.default_rng(seed)
+    logit = np.where(wall, math.log(obstacle / (1 - obstacle)), math.log(floor / (1 - floor)))
+    return (1 / (1 + np.exp(-logit - rng.normal(0, 0.4, wall.shape)))).astype(np.float32)
+
+
+@pytest.mark.parametrize(("floor", "obstacle"), [(0.03, 0.12), (0.1, 0.3), (0.2, 0.45)])
+def test_the_contact_is_a_rise_over_the_floors_own_level(floor: float, obstacle: float) -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(15, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    p = noisy_p(wall_map(directions, up, 1.2, 4.0), floor, obstacle)
+    found = free_distances_from_p(p, polar, 1.2, floor_p=0.25)
+    inside = found.nearest_rad > math.radians(25)
+    assert inside.sum() >= 10
+    assert (found.outcome[inside] == Outcome.OBSTACLE).all()
+    assert np.median(np.abs(found.distance_m[inside] / 4.0 - 1)) < 0.05
+
+
+def test_an_even_floor_is_free_and_a_view_full_of_wall_is_not() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    wall = np.ones((120, 160), bool)
+    middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
+    floor = free_distances_from_p(noisy_p(~wall, 0.1, 0.4), polar, 1.0, floor_p=0.15)
+    assert (floor.outcome[middle] == Outcome.FREE).mean() > 0.9
+    full = free_distances_from_p(noisy_p(wall, 0.1, 0.4), polar, 1.0, floor_p=0.15)
+    assert (full.outcome[middle] == Outcome.OBSTACLE).all()
+    assert not full.contact_seen[middle].any()
+
+
+def test_pixels_that_say_nothing_are_left_out() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    found = free_distances_from_p(np.full((120, 160), np.nan, np.float32), polar, 1.0, floor_p=0.1)
+    assert (found.outcome == Outcome.UNKNOWN).all()
+
+
+def test_connected_only_passes_a_mat_in_p_above() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    beyond_2, beyond_3, wall = (wall_map(directions, up, 1.0, d) for d in (2.0, 3.0, 8.0))
+    p = noisy_p((beyond_2 & ~beyond_3) | wall, 0.08, 0.4)
+    middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
+    everything = free_distances_from_p(p, polar, 1.0, floor_p=0.15)
+    connected = free_distances_from_p(p, polar, 1.0, floor_p=0.15, connected_only=True)
+    assert np.median(everything.distance_m[middle]) == pytest.approx(2.0, rel=0.06)
+    assert np.median(connected.distance_m[middle]) == pytest.approx(8.0, rel=0.15)
+
+
+def test_the_rise_test_against_a_plain_loop() -> None:
+    # Reference: Page's test written for one column with ordinary numbers.
+    rng = np.random.default_rng(3)
+    rules = RiseRules()
+    logit = (rng.normal(-2, 0.3, (20, 60)) + 1.2 * (np.arange(60) < 25)).astype(np.float32)
+    step = math.radians(0.25)
+    contact, _, _ = first_rise(logit, np.ones((20, 60), bool), -2.0, 0.5, step, rules)
+    for column in range(20):
+        weight, weighted, total, start, expected = rules.prior_rad, -2.0 * rules.prior_rad, 0.0, -1, -1
+        for row in range(59, -1, -1):
+            floor = min(max(weighted / weight, -2.0 - 3 * rules.swing), -2.0 + rules.swing)
+            up = min(max(float(logit[column, row]) - floor - 0.5, -1.5), 1.5)
+            total = max(0.0, total + up * step)
+            if total == 0:
+                start, weighted, weight = -1, weighted + float(logit[column, row]) * step, weight + step
+            elif start < 0:
+                start = row
+            if total > rules.alarm_rad:
+                expected = start
+                break
+        assert contact[column] == expected
+    assert np.abs(np.median(contact) - 24) <= 1
+
+
+@pytest.mark.parametrize("p", [0.001, 0.1, 0.3, 0.5])
+def test_entropy_is_undone(p: float) -> None:
+    entropy = -p * math.log2(p) - (1 - p) * math.log2(1 - p)
+    assert p_of_entropy(entropy) == pytest.approx(p, abs=1e-3)

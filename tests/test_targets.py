@@ -152,7 +152,9 @@ def test_guided_target_is_the_guided_filter_of_the_hard_label():
 
 def test_guided_target_on_fewer_rows_is_nearly_the_same():
     view = View("a", 0.0, noise_image(3, 120, 160), level_elevation(120, 160))
-    difference = make_target("guided", view, statistics_rows=60) - make_target("guided", view)
+    difference = guided_target(view.image, view.elevation, statistics_rows=60) - guided_target(
+        view.image, view.elevation
+    )
     assert 0 < np.abs(difference).mean() < 0.02
 
 

@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
-    """Parse; dotted options (`--train.steps 100`) are collected in `overrides` for verbs with a config."""
+    """Parse; dotted options (`--train.batch 4`) are collected in `overrides` for verbs with a config."""
     parser = argparse.ArgumentParser(
         prog="horizon-dl", description="Obstacles from what lies above and below the horizon."
     )
@@ -85,8 +85,8 @@ def split_overrides(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     """Separate `--a.b value` and `--a.b=value` from the plain arguments.
 
     Example:
-        >>> split_overrides(["train", "DATA", "--train.steps", "10", "--model.dropout=0.1"])
-        (['train', 'DATA'], ['train.steps=10', 'model.dropout=0.1'])
+        >>> split_overrides(["train", "DATA", "--train.batch", "10", "--model.dropout=0.1"])
+        (['train', 'DATA'], ['train.batch=10', 'model.dropout=0.1'])
     """
     plain: list[str] = []
     overrides: list[str] = []

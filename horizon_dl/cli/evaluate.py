@@ -1,6 +1,7 @@
-"""A trained net against the truth of a data set.
+"""A trained net, or the ONNX file it was exported to, against the truth of a data set.
 
   horizon-dl evaluate RUN DATA --out DIR
+  horizon-dl evaluate MODEL.onnx DATA --out DIR
 
 DIR then holds metrics.json, report.html, roc.svg and panels/.
 """
@@ -8,25 +9,27 @@ DIR then holds metrics.json, report.html, roc.svg and panels/.
 import argparse
 from pathlib import Path
 
-from horizon_dl.cli.options import add_data, add_out, open_data, say_skipped
+from horizon_dl.cli.options import add_data, add_out, is_model_file, open_data, say_skipped
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
-    parser.add_argument("run_folder", type=Path, metavar="RUN", help="what `train --out` wrote")
+    parser.add_argument("run_folder", type=Path, metavar="RUN", help="what `train --out` or `export` wrote")
     add_data(parser)
     add_out(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Evaluate, write the figures, and print their table."""
+    from horizon_dl.evaluation.deployed import load_file_run
     from horizon_dl.evaluation.evaluate import evaluate
     from horizon_dl.learning.run import load_run
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.comparison import PanelWriter, write_comparison
     from horizon_dl.reporting.table import metrics_table
 
-    trained = load_run(arguments.run_folder)
+    load = load_file_run if is_model_file(arguments.run_folder) else load_run
+    trained = load(arguments.run_folder)
     recording = open_data(arguments)
     labelled = sum(entry.truth_path is not None for entry in recording.entries)
     with output_folder(arguments.out) as folder:

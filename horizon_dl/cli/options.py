@@ -47,6 +47,11 @@ def resolve_config(arguments: argparse.Namespace) -> "Config":
     return load_config(arguments.config, arguments.overrides)
 
 
+def is_model_file(path: Path) -> bool:
+    """Whether a MODEL is an exported file and no run folder."""
+    return path.suffix == ".onnx" or path.is_file()
+
+
 def positive_int(text: str) -> int:
     """For argparse: a whole number of at least 1."""
     value = int(text)

@@ -1,20 +1,30 @@
-"""Panels and arrays from a trained net.
+"""Panels and arrays from a trained net, or from the ONNX file it was exported to.
 
   horizon-dl predict RUN DATA --out DIR           a data set: with horizon, and truth where there is one
   horizon-dl predict RUN pictures/ --out DIR      a folder of images, or one image
+  horizon-dl predict MODEL.onnx DATA --out DIR    without torch; the images must be the model's camera's
 
 DIR then holds panels/NAME.jpg and arrays/NAME.npz (p_above, entropy, ... at the working size).
 """
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import add_out, say_skipped
+from horizon_dl.cli.options import add_out, is_model_file, say_skipped
+
+if TYPE_CHECKING:
+    from horizon_dl.errors import FrameError
+    from horizon_dl.frames.source import Source
+    from horizon_dl.reporting.colours import Image
+
+    Drawn = tuple[str, Image, dict[str, Any]]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
-    parser.add_argument("model", type=Path, metavar="MODEL", help="what `train --out` wrote")
+    parser.add_argument("model", type=Path, metavar="MODEL", help="what `train --out` or `export` wrote")
     parser.add_argument("source", type=Path, metavar="SOURCE", help="data set, folder of images, or image")
     parser.add_argument("--format", metavar="NAME", help="format of SOURCE (recognised if left out)")
     add_out(parser)
@@ -26,30 +36,50 @@ def run(arguments: argparse.Namespace) -> None:
     from tqdm import tqdm
 
     from horizon_dl.errors import FrameError, InputError
-    from horizon_dl.frames.frame import Recording
-    from horizon_dl.learning.predict import open_source, predict, views_of
-    from horizon_dl.learning.run import load_run
+    from horizon_dl.frames.source import frame_count, open_source
     from horizon_dl.output import output_folder
-    from horizon_dl.reporting.comparison import prediction_panel
     from horizon_dl.reporting.panels import save_panel
 
-    trained = load_run(arguments.model)
+    predictions = _from_file if is_model_file(arguments.model) else _from_run
     source = open_source(arguments.source, arguments.format)
-    count = len(source.entries) if isinstance(source, Recording) else len(source)
+    count = frame_count(source)
     skipped: dict[str, str] = {}
     with output_folder(arguments.out) as folder:
         (folder / "arrays").mkdir()
-        items = views_of(source, trained.config.image.max_pixels)
-        for item in tqdm(items, "predict", total=count, unit="frame"):
+        for item in tqdm(predictions(arguments.model, source), "predict", total=count, unit="frame"):
             if isinstance(item, FrameError):
                 skipped[str(item)] = str(item)
                 continue
-            prediction = predict(trained, *item)
-            stem = Path(prediction.view.name).stem
-            save_panel(folder / "panels" / f"{stem}.jpg", prediction_panel(prediction))
-            np.savez_compressed(folder / "arrays" / f"{stem}.npz", **prediction.arrays())
+            name, panel, arrays = item
+            save_panel(folder / "panels" / f"{Path(name).stem}.jpg", panel)
+            np.savez_compressed(folder / "arrays" / f"{Path(name).stem}.npz", **arrays)
         if len(skipped) == count:
-            first = next(iter(skipped.values()))
-            raise InputError(arguments.source, f"holds no readable frame (the first: {first})", "mend it")
+            raise InputError(
+                arguments.source, "holds no frame that can be used", next(iter(skipped.values()))
+            )
     say_skipped(skipped)
     print(f"wrote {count - len(skipped)} panels and arrays to {arguments.out}")
+
+
+def _from_run(folder: Path, source: "Source") -> "Iterator[Drawn | FrameError]":
+    from horizon_dl.errors import FrameError
+    from horizon_dl.learning.predict import predict, views_of
+    from horizon_dl.learning.run import load_run
+    from horizon_dl.reporting.comparison import prediction_panel
+
+    trained = load_run(folder)
+    for item in views_of(source, trained.config.image.max_pixels):
+        if isinstance(item, FrameError):
+            yield item
+        else:
+            prediction = predict(trained, *item)
+            yield prediction.view.name, prediction_panel(prediction), prediction.arrays()
+
+
+def _from_file(path: Path, source: "Source") -> "Iterator[Drawn | FrameError]":
+    from horizon_dl.errors import FrameError
+    from horizon_dl.onboard.model import ObstacleModel
+    from horizon_dl.onboard.predict import predict_source
+
+    for item in predict_source(ObstacleModel.load(path), source):
+        yield item if isinstance(item, FrameError) else (item.name, item.panel(), item.arrays())

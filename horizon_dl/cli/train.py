@@ -1,7 +1,7 @@
 """Train the net on a data set, with the Lightning trainer.
 
   horizon-dl train DATA --out RUN
-  horizon-dl train DATA --out RUN --train.steps 1000 --target.kind guided
+  horizon-dl train DATA --out RUN --train.rounds "[300, 400]" --target.kind guided
 
 RUN then holds weights.safetensors, config.yaml, run.json and TensorBoard logs.
 """

@@ -4,23 +4,25 @@ from tqdm import tqdm
 
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.compare import Comparison, OnFrame, score_frames
+from horizon_dl.evaluation.deployed import FileMethod, FileRun, with_frames
 from horizon_dl.evaluation.learners import Method, NetMethod
 from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
 from horizon_dl.evaluation.training_free import training_free_methods
 from horizon_dl.frames.frame import Recording
 from horizon_dl.learning.run import Run
 from horizon_dl.learning.store import FrameStore
+from horizon_dl.onboard.predict import check_camera
 
 
 def evaluate(
-    run: Run, recording: Recording, *, on_frame: OnFrame | None = None, progress: bool = False
+    run: Run | FileRun, recording: Recording, *, on_frame: OnFrame | None = None, progress: bool = False
 ) -> Comparison:
-    """Score a trained net, beside the training-free baselines, on every labelled frame of a recording.
+    """Score a run folder or a model file, beside the training-free baselines, on every labelled frame.
 
     Whether those frames were trained on is the caller's affair; `metrics["trained_on"]` names the data.
 
     Raises:
-        InputError: there is no truth, or too many frames cannot be used.
+        InputError: there is no truth, too many frames cannot be used, or the file is for another camera.
     """
     store = FrameStore(recording, run.config)
     labelled = [index for index, entry in enumerate(recording.entries) if entry.truth_path]
@@ -28,9 +30,9 @@ def evaluate(
         raise InputError(
             recording.name, "has no truth (labels/*.png)", "use `horizon-dl predict` for pictures"
         )
-    methods: dict[str, Method] = {"cnn": NetMethod(run.net)}
-    methods |= training_free_methods()
-    frames = tqdm(store.frames(labelled), "evaluate", total=len(labelled), unit="frame", disable=not progress)
+    methods: dict[str, Method] = {"cnn": _learner(run, recording), **training_free_methods()}
+    bar = tqdm(store.frames(labelled), "evaluate", total=len(labelled), unit="frame", disable=not progress)
+    frames = with_frames(bar)
     found = score_frames(methods, {"cnn": run.threshold}, frames, run.config.labels.band_rad, on_frame)
     found["cnn"].train_s = float(run.info.get("train_s", 0.0))
     tallies = {name: [tally] for name, tally in found.items()}
@@ -48,3 +50,10 @@ def evaluate(
         "methods": {name: method_metrics(one, run.info["threshold_rule"]) for name, one in tallies.items()},
     }
     return Comparison(metrics, tallies, store.skipped)
+
+
+def _learner(run: Run | FileRun, recording: Recording) -> Method:
+    if isinstance(run, FileRun):
+        check_camera(run.model, recording)
+        return FileMethod(run.model)
+    return NetMethod(run.net)

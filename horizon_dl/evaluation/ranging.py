@@ -12,7 +12,13 @@ from horizon_dl.evaluation.range_truth import floor_up, true_distances
 from horizon_dl.frames.frame import Frame
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.obstacles.polar import Bearings, polar_view
-from horizon_dl.obstacles.ranging import FreeDistances, Outcome, RangingRules, free_distances
+from horizon_dl.obstacles.ranging import (
+    FreeDistances,
+    Outcome,
+    RangingRules,
+    free_distances,
+    free_distances_from_p,
+)
 
 Floats = NDArray[np.float32]
 
@@ -48,35 +54,37 @@ class RangingTally:
     def add(
         self,
         frame: Frame,
-        obstacle: NDArray[np.bool_],
+        found: NDArray[np.bool_] | Floats,
         range_m: Floats,
+        *,
         known: NDArray[np.bool_] | None = None,
+        floor_p: float | None = None,
     ) -> FreeDistances | None:
         """Count one frame.
 
         Args:
             frame: with truth, attitude and height; others are left out (None is returned).
-            obstacle: (h, w) obstacle map at any size of the frame's aspect.
+            found: (h, w) at any size of the frame's aspect: an obstacle map (bool) or `p_above` (float).
             range_m: (h', w') of `load_range`.
-            known: (h, w) pixels of the map that say anything; all if left out.
+            known: (h, w) pixels of an obstacle map that say anything; all if left out.
+            floor_p: for `p_above`, see `free_distances_from_p`.
         """
         up_cam = floor_up(frame)
         if up_cam is None or frame.height_m is None or frame.truth is None:
             return None
         truth_m = true_distances(frame, range_m, self.bearings)
-        height, width = obstacle.shape
+        height, width = found.shape
         directions = camera_rays(frame.camera.scaled(width, height)).directions
         polar = polar_view(directions, up_cam, bearings=self.bearings)
-        found = free_distances(
-            obstacle,
-            polar,
-            frame.height_m,
-            known=known,
-            connected_only=self.connected_only,
-            rules=self.rules,
-        )
-        self.count(found, truth_m, frame.height_m)
-        return found
+        height_m = frame.height_m
+        options: dict[str, Any] = {"connected_only": self.connected_only, "rules": self.rules}
+        if found.dtype == np.bool_:
+            distances = free_distances(found.astype(np.bool_), polar, height_m, known=known, **options)
+        else:
+            p_above = found.astype(np.float32)
+            distances = free_distances_from_p(p_above, polar, height_m, floor_p=floor_p, **options)
+        self.count(distances, truth_m, height_m)
+        return distances
 
     def count(self, found: FreeDistances, truth_m: Floats, height_m: float) -> None:
         """Count the bearings (sectors,) of one frame, its camera `height_m` over the floor."""

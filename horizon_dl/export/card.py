@@ -27,7 +27,9 @@ LIMITS = (
     "Made for one camera in the surroundings it was trained in. Entropy is high on every appearance that it "
     "has seen on both sides or never; the map is no proof of free space."
 )
-LICENCE = "The program is under the MIT licence; the weights are under the terms of the data they were trained on."
+LICENCE = (
+    "The program is under the MIT licence; the weights are under the terms of the data they were trained on."
+)
 PATENTS = "The approach is described in patent application WO 2019/093885."
 
 INPUTS = {

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from horizon_dl.export.shrink import AreaShrink, enlarge_nearest
+from horizon_dl.export.shrink import AreaShrink, NearestEnlarge
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.geometry.view import working_size
@@ -15,6 +15,7 @@ from horizon_dl.models.fcn import HorizonFCN, enlarge
 
 TINY = float(np.finfo(np.float32).tiny)
 BITS = 1 / log(2)
+LOG_TERMS = 32  # factors of a product whose logarithm is taken; each is at least a half
 
 
 class Maps(NamedTuple):
@@ -86,22 +87,61 @@ class Uncertainty(nn.Module):
 
     def __init__(self, net: HorizonFCN, size: tuple[int, int], *, sampled: bool) -> None:
         super().__init__()
-        self.net, self.size, self.sampled = net, (size[1], size[0]), sampled
+        self.net, self.sampled = net, sampled
+        self.enlarge = Enlarge(size)
 
     def forward(self, features: Tensor) -> tuple[Tensor, Tensor]:
         """Two (h, w) maps of (1, features, h / s, w / s)."""
         if not self.sampled:
-            p = enlarge(self.net.classifier(features).sigmoid(), self.size)[0, 0]
-            return p, torch.zeros_like(p)
+            p = self.net.classifiers(features).sigmoid().mean(dim=1, keepdim=True)
+            (enlarged,) = self.enlarge(p)[0]
+            return enlarged, torch.zeros_like(enlarged)
         logits = self.net.sample_logits(features)
-        p = logits.sigmoid()
-        mean = p.mean(dim=1, keepdim=True)
-        # H(p) = z (1 - p) - log p for p = sigmoid(z): one logarithm instead of two.
-        expected = (logits - p * logits - p.clamp(min=TINY).log()).mean(dim=1, keepdim=True) * BITS
+        mean, expected = summaries(logits.flatten(2)[0])
         entropy = -mean * _log2(mean) - (1 - mean) * _log2(1 - mean)
         information = (entropy - expected).clamp(0.0, 1.0)
-        maps = enlarge(torch.cat([mean, information], dim=1), self.size)[0]
-        return maps[0], maps[1]
+        coarse = torch.stack([mean, information]).unflatten(1, logits.shape[-2:])
+        p_above, information = self.enlarge(coarse)
+        return p_above, information
+
+
+def summaries(logits: Tensor) -> tuple[Tensor, Tensor]:
+    """Mean probability and expected entropy in bits, (pixels,) each, of (samples, pixels) logits.
+
+    Written for speed: with q the probability of the likelier side, H = (1 - q) |z| - log q takes one logarithm
+    instead of two, many of which are taken as that of a product; q never is too small for a runtime's coarse
+    sigmoid. Means are products with a row, which runtimes do best.
+    """
+    samples = logits.shape[0]
+    p = logits.sigmoid()
+    q = torch.maximum(p, 1 - p)
+    product, terms = q, 1
+    while terms < LOG_TERMS and product.shape[0] % 2 == 0:
+        half = product.shape[0] // 2
+        product, terms = product[:half] * product[half:], 2 * terms
+    mean = torch.full((1, samples), 1 / samples)
+    log_mean = torch.full((1, product.shape[0]), 1 / samples) @ product.log()
+    expected = (mean @ ((1 - q) * logits.abs()) - log_mean) * BITS
+    return (mean @ p)[0], expected[0]
+
+
+class Enlarge(nn.Module):
+    """The net's bilinear enlargement as two matrix products, faster than the operator for it."""
+
+    def __init__(self, size: tuple[int, int]) -> None:
+        super().__init__()
+        self.size = size
+
+    def forward(self, maps: Tensor) -> Tensor:
+        """(..., h / s, w / s) to (..., h, w)."""
+        rows, columns = (int(length) for length in maps.shape[-2:])
+        return bilinear_weights(rows, self.size[1]) @ (maps @ bilinear_weights(columns, self.size[0]).T)
+
+
+def bilinear_weights(inputs: int, outputs: int) -> Tensor:
+    """(outputs, inputs) weights of `enlarge` along one direction."""
+    unit = torch.eye(inputs)[None, :, :, None]
+    return enlarge(unit, (outputs, 1))[0, :, :, 0].T.contiguous()
 
 
 class MeasureMaps(nn.Module):
@@ -141,6 +181,7 @@ class ObstacleMap(nn.Module):
     def __init__(self, threshold: float, size: tuple[int, int], image_size: tuple[int, int]) -> None:
         super().__init__()
         self.threshold, self.size, self.image_size = threshold, size, image_size
+        self.enlarge = NearestEnlarge(size, image_size)
 
     def forward(self, entropy: Tensor) -> Tensor:
         """(H, W) uint8, 1 obstacle, of (h, w) bits."""
@@ -149,7 +190,7 @@ class ObstacleMap(nn.Module):
         together = nn.functional.avg_pool2d(over, 3, stride=1, padding=1) > 1.5 / 9
         found = over * together
         if self.size != self.image_size:
-            found = enlarge_nearest(found, self.image_size)
+            return self.enlarge(found[0, 0].to(torch.uint8))
         return found[0, 0].to(torch.uint8)
 
 

@@ -1,11 +1,9 @@
 """Resizing inside the graph: area averaging before the net, nearest pixel for the obstacle map."""
 
-from typing import Any
-
 import torch
 from torch import Tensor, nn
 
-from horizon_dl.geometry.resize import area_weights
+from horizon_dl.geometry.resize import area_weights, nearest_pixels
 
 BAND = 48
 """Output pixels a matrix product; the weights are a narrow band, most of a whole matrix would be zeros."""
@@ -65,23 +63,19 @@ class Banded(nn.Module):
         return (torch.cat(parts, dim=-1) + 0.5).floor()
 
 
-class _Nearest(torch.autograd.Function):
-    """Nearest-pixel enlargement as Pillow does it: output pixel i shows `floor((i + 0.5) * in / out)`."""
+class NearestEnlarge(nn.Module):
+    """Nearest-pixel enlargement, see `nearest_pixels`.
 
-    @staticmethod
-    def forward(ctx: Any, maps: Tensor, height: int, width: int) -> Tensor:
-        return nn.functional.interpolate(maps, size=(height, width), mode="nearest-exact")
+    Both directions repeat whole rows, the other one between two transpositions: faster than the operator
+    for it, and exact, where that one's float32 coordinates are not.
+    """
 
-    @staticmethod
-    def symbolic(g: Any, maps: Any, height: int, width: int) -> Any:
-        """The ONNX operator; the exporter's own has no such mode."""
-        none = g.op("Constant", value_t=torch.zeros(0))
-        size = g.op("Constant", value_t=torch.tensor([1, 1, height, width]))
-        modes = {"coordinate_transformation_mode_s": "half_pixel", "nearest_mode_s": "round_prefer_ceil"}
-        return g.op("Resize", maps, none, none, size, mode_s="nearest", **modes)
+    def __init__(self, size: tuple[int, int], image_size: tuple[int, int]) -> None:
+        super().__init__()
+        self.columns, self.rows = (
+            torch.from_numpy(nearest_pixels(small, large)) for small, large in zip(size, image_size, strict=True)
+        )
 
-
-def enlarge_nearest(maps: Tensor, size: tuple[int, int]) -> Tensor:
-    """(1, 1, h, w) to (1, 1, H, W) for `size` = (W, H)."""
-    enlarged: Tensor = _Nearest.apply(maps, size[1], size[0])
-    return enlarged
+    def forward(self, maps: Tensor) -> Tensor:
+        """(h, w) to (H, W)."""
+        return maps.T[self.columns].T[self.rows]

@@ -72,6 +72,16 @@ def _taps(inputs: int, outputs: int) -> list[tuple[NDArray[np.intp], NDArray[np.
     count = int((weights > 0).sum(axis=1).max())
     padded = np.pad(weights, ((0, 0), (0, count)))
     rows = np.arange(outputs)
-    return [
-        (np.minimum(first + tap, inputs - 1), padded[rows, first + tap][:, None]) for tap in range(count)
-    ]
+    return [(np.minimum(first + tap, inputs - 1), padded[rows, first + tap][:, None]) for tap in range(count)]
+
+
+def nearest_pixels(inputs: int, outputs: int) -> NDArray[np.intp]:
+    """The input pixel that each output pixel shows: `floor((i + 0.5) * inputs / outputs)` in whole numbers.
+
+    Pillow and OpenCV compute it in floating point and are a pixel off where that is exactly a whole number.
+
+    Example:
+        >>> nearest_pixels(2, 5).tolist()
+        [0, 0, 1, 1, 1]
+    """
+    return (2 * np.arange(outputs) + 1) * inputs // (2 * outputs)

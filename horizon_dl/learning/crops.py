@@ -35,9 +35,9 @@ class TrainingFrame:
         return self.image.nbytes + self.target.nbytes + self.counts.nbytes
 
 
-def training_frame(view: View, config: Config) -> TrainingFrame:
-    """The target of a view, and where it counts."""
-    target = make_target(config.target.kind, view)
+def training_frame(view: View, config: Config, p_above: NDArray[np.float32] | None = None) -> TrainingFrame:
+    """The target of a view, and where it counts; see `make_target` for `p_above`."""
+    target = make_target(config.target.kind, view, p_above)
     counts = horizon_label(view.elevation, config.labels.band_rad) != IGNORED
     return TrainingFrame(view.image, np.nan_to_num(target).astype(np.float16), counts)
 

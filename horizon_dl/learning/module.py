@@ -31,12 +31,13 @@ def horizon_loss(logits: Tensor, batch: Batch) -> Tensor:
 
 
 class HorizonModule(lightning.LightningModule):
-    """Trains a `HorizonFCN` for a fixed number of steps."""
+    """Trains a `HorizonFCN` for a number of steps known beforehand."""
 
-    def __init__(self, net: HorizonFCN, config: TrainConfig) -> None:
+    def __init__(self, net: HorizonFCN, config: TrainConfig, steps: int) -> None:
         super().__init__()
         self.net = net
         self.config = config
+        self.steps = steps
 
     def training_step(self, batch: Batch, _: int) -> Tensor:
         """Loss of one batch of crops."""
@@ -50,7 +51,7 @@ class HorizonModule(lightning.LightningModule):
             self.parameters(), lr=self.config.learning_rate, weight_decay=self.config.weight_decay
         )
         schedule = torch.optim.lr_scheduler.OneCycleLR(
-            optimiser, self.config.learning_rate, total_steps=self.config.steps, pct_start=0.1
+            optimiser, self.config.learning_rate, total_steps=self.steps, pct_start=0.1
         )
         return {"optimizer": optimiser, "lr_scheduler": {"scheduler": schedule, "interval": "step"}}
 

@@ -9,10 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.errors import FrameError
-from horizon_dl.frames.formats import open_recording
 from horizon_dl.frames.frame import Recording
 from horizon_dl.frames.loading import load_frame, load_rgb
-from horizon_dl.frames.pictures import picture_paths
+from horizon_dl.frames.source import Source
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.resize import area_resize
 from horizon_dl.geometry.view import View, make_view, working_size
@@ -54,19 +53,7 @@ def predict(run: Run, view: View, truth: NDArray[np.uint8] | None = None) -> Pre
     return Prediction(view, found, obstacle_map(found.entropy, run.threshold), truth)
 
 
-def open_source(source: Path, format: str | None) -> Recording | list[Path]:
-    """A data set, or else plain pictures.
-
-    Raises:
-        InputError: neither; what a data set needs is in the message.
-    """
-    pictures = picture_paths(source)
-    if pictures and format is None and not (source / "camera.yaml").exists():
-        return pictures
-    return open_recording(source, format)
-
-
-def views_of(source: Recording | list[Path], max_pixels: int) -> Iterator[Item]:
+def views_of(source: Source, max_pixels: int) -> Iterator[Item]:
     """Views with their truth, or the error of a frame that cannot be read; attitude is not needed."""
     if isinstance(source, Recording):
         yield from (_view_of_entry(source, index, max_pixels) for index in range(len(source.entries)))

@@ -1,6 +1,6 @@
 """Reading a recording for learning: what cannot be read is skipped and counted, memory is bounded."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 from tqdm import tqdm
@@ -10,7 +10,7 @@ from horizon_dl.errors import FrameError, InputError
 from horizon_dl.frames.frame import Frame, Recording
 from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.view import View, make_view
-from horizon_dl.learning.crops import TrainingFrame, training_frame
+from horizon_dl.learning.crops import TrainingFrame
 
 MOST_SKIPPED = 0.2
 LEAST_TRIED = 10
@@ -77,11 +77,13 @@ class FramePool:
         store: FrameStore,
         indices: Sequence[int],
         *,
+        make_frame: Callable[[View], TrainingFrame],
         memory_mb: int,
         rng: np.random.Generator,
         progress: bool = False,
     ) -> None:
         self._store = store
+        self._make_frame = make_frame
         self._indices = indices
         self._rng = rng
         self._stream = self._read_endlessly()
@@ -102,7 +104,7 @@ class FramePool:
         for view in tqdm(
             self._store.views(order), "targets", total=len(order), unit="frame", disable=not progress
         ):
-            self.frames.append(training_frame(view, self._store.config))
+            self.frames.append(self._make_frame(view))
             held += self.frames[-1].nbytes
             if held > limit_bytes:
                 return
@@ -111,4 +113,4 @@ class FramePool:
     def _read_endlessly(self) -> Iterator[TrainingFrame]:
         while True:
             for view in self._store.views(self._rng.permutation(self._indices)):
-                yield training_frame(view, self._store.config)
+                yield self._make_frame(view)

@@ -3,7 +3,7 @@
 import logging
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
@@ -18,13 +18,15 @@ from tqdm import tqdm
 
 from horizon_dl.config import Config
 from horizon_dl.frames.frame import Recording
+from horizon_dl.geometry.view import View
+from horizon_dl.learning.crops import TrainingFrame, training_frame
 from horizon_dl.learning.module import CropStream, HorizonModule
 from horizon_dl.learning.run import Run
 from horizon_dl.learning.store import FramePool, FrameStore
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.obstacles.percentile import stream_percentile
-from horizon_dl.uncertainty.dropout import sample_p_above
+from horizon_dl.uncertainty.dropout import sample_p_above, single_pass_p_above
 from horizon_dl.uncertainty.measures import binary_entropy
 
 THRESHOLD_FRAMES = 50
@@ -38,7 +40,11 @@ def train_net(
     log_dir: Path | None = None,
     progress: bool = False,
 ) -> HorizonFCN:
-    """A net trained for `train.steps` steps on frames of a recording.
+    """A net trained on frames of a recording, in rounds.
+
+    The targets of the first round follow the edges of the images alone; those of every further round also
+    the edges in what the net has learned so far. What it took for one surface in most frames then is one in
+    the frames where shade or a reflection cuts it.
 
     Args:
         store: where the frames come from.
@@ -52,24 +58,44 @@ def train_net(
     """
     config: Config = store.config
     rng = np.random.default_rng(seed)
-    pool = FramePool(store, indices, memory_mb=config.train.memory_mb, rng=rng, progress=progress)
     with _quiet_lightning(), torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        module = HorizonModule(build_net(config.model), config.train)
-        trainer = lightning.Trainer(
-            max_steps=config.train.steps,
-            accelerator="auto",
-            devices=1,
-            logger=TensorBoardLogger(log_dir, name="", version="") if log_dir else False,
-            log_every_n_steps=10,
-            enable_progress_bar=False,
-            callbacks=[StepBar()] if progress else [],
-            enable_model_summary=False,
-            enable_checkpointing=False,
-            gradient_clip_val=1.0,
-        )
-        trainer.fit(module, DataLoader(CropStream(pool, config.train, rng), batch_size=None))
-    return module.net.eval().cpu()
+        net = build_net(config.model)
+        for number, steps in enumerate(config.train.rounds):
+            pool = FramePool(
+                store,
+                indices,
+                make_frame=_frame_maker(config, net if number else None),
+                memory_mb=config.train.memory_mb,
+                rng=rng,
+                progress=progress,
+            )
+            crops = DataLoader(CropStream(pool, config.train, rng), batch_size=None)
+            logger = TensorBoardLogger(log_dir, name="", version=f"round_{number}") if log_dir else None
+            _trainer(steps, logger, progress).fit(HorizonModule(net, config.train, steps), crops)
+            net.eval().cpu()
+    return net
+
+
+def _frame_maker(config: Config, net: HorizonFCN | None) -> Callable[[View], TrainingFrame]:
+    if net is None:
+        return lambda view: training_frame(view, config)
+    return lambda view: training_frame(view, config, single_pass_p_above(net, view.image)[0])
+
+
+def _trainer(steps: int, logger: TensorBoardLogger | None, progress: bool) -> lightning.Trainer:
+    return lightning.Trainer(
+        max_steps=steps,
+        accelerator="auto",
+        devices=1,
+        logger=logger or False,
+        log_every_n_steps=10,
+        enable_progress_bar=False,
+        callbacks=[StepBar()] if progress else [],
+        enable_model_summary=False,
+        enable_checkpointing=False,
+        gradient_clip_val=1.0,
+    )
 
 
 class StepBar(lightning.Callback):

@@ -63,6 +63,15 @@ class PolarView:
         found = np.bincount(self.cell[mask], minlength=size + 1)[:size]
         return found.reshape(self.bearings.count, self.rows).astype(np.float32)
 
+    def means(self, values: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """(sectors, rows) mean of a (h, w) map in each cell, 0 for none, and which cells have one."""
+        known = ~np.isnan(values)
+        size = self.bearings.count * self.rows
+        total = np.bincount(self.cell[known], weights=values[known], minlength=size + 1)[:size]
+        counts = self.counts(known)
+        mean = total.reshape(counts.shape) / np.maximum(counts, 1)
+        return mean.astype(np.float32), counts > 0
+
 
 def level_axes(up_cam: ArrayLike, forward_cam: ArrayLike) -> Floats:
     """(3, 3) rows ahead, right, up of a level frame, written in the optical frame.

@@ -5,16 +5,27 @@ Source: arXiv:1806.08007, section on obstacle distance; the error terms are that
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.obstacles.contact import (
+    RiseRules,
+    Rows,
+    connected_to_horizon,
+    first_contact,
+    first_rise,
+    floor_level,
+    needed_rise,
+)
 from horizon_dl.obstacles.polar import PolarView
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
+
+SURE = 1e-3
 
 
 class Outcome(IntEnum):
@@ -38,6 +49,7 @@ class RangingRules:
             and every map is unsure.
         attitude_sd_rad: standard deviation of roll and pitch.
         height_sd: relative standard deviation of the height.
+        rise: for `free_distances_from_p`; the window and its share are for maps.
     """
 
     extent_rad: float = math.radians(1.5)
@@ -46,6 +58,7 @@ class RangingRules:
     unseen_rad: float = math.radians(1.0)
     attitude_sd_rad: float = math.radians(0.5)
     height_sd: float = 0.03
+    rise: RiseRules = field(default_factory=RiseRules)
 
 
 @dataclass(frozen=True)
@@ -96,22 +109,64 @@ def free_distances(
         than the window is high is `UNKNOWN`.
     """
     rules = rules or RangingRules()
-    seen = polar.pixels if known is None else polar.counts(known)
-    obstacle_cells = (2 * polar.counts(obstacle if known is None else obstacle & known) >= seen) & (seen > 0)
-    seen_cells = seen > 0
+    pixels = polar.pixels if known is None else polar.counts(known)
+    cells = (2 * polar.counts(obstacle if known is None else obstacle & known) >= pixels) & (pixels > 0)
+    seen = pixels > 0
     if connected_only:
-        obstacle_cells = connected_to_horizon(obstacle_cells, seen_cells, _rows(rules.horizon_rad, polar))
-    unseen_rows = min(_rows(rules.unseen_rad, polar), polar.rows - 1)
-    window = max(1, _rows(rules.extent_rad, polar))
-    contact = first_contact(obstacle_cells, seen_cells, window, rules.share, unseen_rows)
-    visible = _nearest_rows(seen_cells)
-    outcome = np.where(contact >= 0, Outcome.OBSTACLE, Outcome.FREE).astype(np.uint8)
-    outcome[visible < window + unseen_rows] = Outcome.UNKNOWN
-    doubt = _doubtful_rows(obstacle_cells, seen_cells, contact, window)
-    gap = _rows_to_ground(seen_cells, contact)
-    edge = np.where(contact < visible - 1, contact + (1 + gap) / 2, contact + 1)
-    found = _in_metres(polar, outcome, edge, doubt + gap / 2, height_m, rules)
-    return replace(found, contact_seen=found.contact_seen & (contact < visible - 1))
+        cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
+    window, unseen = _window_and_unseen(polar, rules)
+    contact = first_contact(cells, seen, window, rules.share, unseen)
+    return _from_contacts(polar, seen, cells, contact, height_m, rules)
+
+
+def free_distances_from_p(
+    p_above: Floats,
+    polar: PolarView,
+    height_m: float | None,
+    *,
+    floor_p: float | None = None,
+    connected_only: bool = False,
+    rules: RangingRules | None = None,
+) -> FreeDistances:
+    """The same from `p_above` itself: the contact is where it rises from the floor's level.
+
+    One threshold for all frames does not serve: the floor's level differs between frames and bearings by as
+    much as it rises at an obstacle's foot.
+
+    Args:
+        p_above: (h, w) in [0, 1], NaN where nothing is said.
+        polar: the same frame's cells.
+        height_m: see `free_distances`.
+        floor_p: `p_above` that a floor has at most (`p_of_entropy` of the paper's threshold); without it a
+            frame full of wall passes for floor.
+        connected_only: see `free_distances`.
+        rules: see `free_distances`.
+    """
+    rules = rules or RangingRules()
+    mean, seen = polar.means(p_above)
+    logit = _logit(mean)
+    _, unseen = _window_and_unseen(polar, rules)
+    rise = needed_rise(logit, seen, rules.rise)
+    level = floor_level(logit[:, unseen:], seen[:, unseen:], _usual(floor_p), rules.rise)
+    contact, alarm, floor = first_rise(logit, seen, level, rise, polar.row_step_rad, rules.rise, unseen)
+    cells = seen & (logit > floor[:, None] + rise)
+    if connected_only:
+        cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
+        logit = np.where(cells, logit, np.minimum(logit, floor[:, None]))
+        contact, alarm, _ = first_rise(logit, seen, level, rise, polar.row_step_rad, rules.rise, unseen)
+    # A slow rise leaves the contact in doubt.
+    return _from_contacts(polar, seen, cells, contact, height_m, rules, (contact - alarm) / 2)
+
+
+def p_of_entropy(entropy: float) -> float:
+    """The p in [0, 1/2] of a binary entropy in bits.
+
+    Example:
+        >>> round(p_of_entropy(0.4690), 3)
+        0.1
+    """
+    p = np.linspace(1e-6, 0.5, 20001)
+    return float(np.interp(entropy, -p * np.log2(p) - (1 - p) * np.log2(1 - p), p))
 
 
 def no_distances(bearing_rad: Floats) -> FreeDistances:
@@ -123,78 +178,57 @@ def no_distances(bearing_rad: Floats) -> FreeDistances:
     return FreeDistances(bearing_rad, outcome, nothing, nothing, nothing, unseen, zero)
 
 
-def first_contact(
-    obstacle: Mask, seen: Mask, window: int, share: float, unseen_rows: int = 0
-) -> NDArray[np.int64]:
-    """Row of the first obstacle of each sector from the nearest ground (the last row) up, -1 for none.
-
-    Args:
-        obstacle: (sectors, rows), row 0 at the horizon.
-        seen: (sectors, rows), cells that say anything; the others neither confirm nor contradict.
-        window: rows in which obstacle cells must have at least `share` of the seen ones.
-        share: in (0, 1].
-        unseen_rows: rows at the horizon that do not count.
-    """
-    rows = obstacle.shape[1]
-    counted = np.arange(rows) >= unseen_rows
-    found = _window_sums(obstacle & counted, window)
-    of = _window_sums(seen & counted, window)
-    # The window of row r holds r and the rows above it; an obstacle cell of its own starts it.
-    starts = obstacle & counted & (found >= share * of) & (found > 0)
-    # At the horizon the window is cut off: half of it must be left.
-    starts &= np.arange(rows) >= unseen_rows + window // 2
-    last = rows - 1 - np.argmax(starts[:, ::-1], axis=1)
-    return np.where(starts.any(axis=1), last, -1)
+def _usual(floor_p: float | None) -> float | None:
+    return None if floor_p is None else float(_logit(np.array([floor_p], np.float32))[0])
 
 
-def connected_to_horizon(obstacle: Mask, seen: Mask, horizon_rows: int) -> Mask:
-    """The obstacle cells (sectors, rows) from which a path over obstacle cells leads to the horizon.
+def _logit(p: Floats) -> Floats:
+    clipped = np.clip(p, SURE, 1 - SURE)
+    return np.asarray(np.log(clipped / (1 - clipped)), np.float32)
 
-    Cells that say nothing may be crossed upwards, but count as no obstacle themselves.
-    """
-    passable = obstacle | ~seen
-    reached = passable.copy()
-    reached[:, max(1, horizon_rows) :] = False
-    reached[:, : max(1, horizon_rows)] &= obstacle[:, : max(1, horizon_rows)]
-    while True:
-        grown = reached.copy()
-        grown[:, 1:] |= reached[:, :-1]
-        grown[:, :-1] |= reached[:, 1:]
-        sideways = grown & obstacle
-        grown[1:] |= sideways[:-1]
-        grown[:-1] |= sideways[1:]
-        grown &= passable
-        if np.array_equal(grown, reached):
-            return reached & obstacle
-        reached = grown
+
+def _window_and_unseen(polar: PolarView, rules: RangingRules) -> tuple[int, int]:
+    unseen = min(_rows(rules.unseen_rad, polar), polar.rows - 1)
+    return max(1, _rows(rules.extent_rad, polar)), unseen
+
+
+def _from_contacts(
+    polar: PolarView,
+    seen: Mask,
+    cells: Mask,
+    contact: Rows,
+    height_m: float | None,
+    rules: RangingRules,
+    doubt: NDArray[np.floating] | float = 0.0,
+) -> FreeDistances:
+    window, unseen = _window_and_unseen(polar, rules)
+    visible = _nearest_rows(seen)
+    outcome = np.where(contact >= 0, Outcome.OBSTACLE, Outcome.FREE).astype(np.uint8)
+    outcome[visible < window + unseen] = Outcome.UNKNOWN
+    doubt = doubt + _doubtful_rows(cells, seen, contact, window)
+    gap = _rows_to_ground(seen, contact)
+    edge = np.where(contact < visible - 1, contact + (1 + gap) / 2, contact + 1)
+    found = _in_metres(polar, outcome, edge, doubt + gap / 2, height_m, rules)
+    return replace(found, contact_seen=found.contact_seen & (contact < visible - 1))
 
 
 def _rows(angle_rad: float, polar: PolarView) -> int:
     return round(angle_rad / polar.row_step_rad)
 
 
-def _window_sums(mask: Mask, window: int) -> NDArray[np.int32]:
-    """(sectors, rows) how many cells are set among a row and the `window - 1` rows above it."""
-    total = np.cumsum(mask, axis=1, dtype=np.int32)
-    total[:, window:] -= total[:, :-window].copy()
-    return total
-
-
-def _nearest_rows(seen: Mask) -> NDArray[np.int64]:
+def _nearest_rows(seen: Mask) -> Rows:
     """(sectors,) one more than the last row that is seen, 0 for none."""
     return np.asarray(np.where(seen, np.arange(1, seen.shape[1] + 1), 0).max(axis=1))
 
 
-def _rows_to_ground(seen: Mask, contact: NDArray[np.int64]) -> NDArray[np.int64]:
+def _rows_to_ground(seen: Mask, contact: Rows) -> Rows:
     """(sectors,) rows from the contact's down to the next one that is seen; 1 in a map without gaps."""
     rows = np.arange(seen.shape[1])
     below = seen & (rows > contact[:, None])
     return np.where(below.any(axis=1), below.argmax(axis=1) - contact, 1)
 
 
-def _doubtful_rows(
-    obstacle: Mask, seen: Mask, contact: NDArray[np.int64], window: int
-) -> NDArray[np.float32]:
+def _doubtful_rows(obstacle: Mask, seen: Mask, contact: Rows, window: int) -> NDArray[np.float32]:
     """(sectors,) cells within a window of the contact that contradict it: obstacle below, floor above."""
     rows = np.arange(obstacle.shape[1])
     away = rows[None] - contact[:, None]

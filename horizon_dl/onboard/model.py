@@ -91,7 +91,10 @@ class ObstacleModel:
         except Exception as error:  # onnxruntime has a dozen exceptions of its own
             problem = f"cannot be loaded ({str(error).splitlines()[0]})"
             raise InputError(path, problem, "export it again with `horizon-dl export`") from None
-        names = tuple(one.name for one in session.get_inputs()), tuple(one.name for one in session.get_outputs())
+        names = (
+            tuple(one.name for one in session.get_inputs()),
+            tuple(one.name for one in session.get_outputs()),
+        )
         if names != (INPUTS, OUTPUTS):
             raise InputError(path, "has other inputs or outputs than expected", "export it again")
         return model

@@ -39,7 +39,9 @@ def read_sealed(path: Path) -> tuple[bytes, str]:
     try:
         content = path.read_bytes()
     except OSError as error:
-        problem = "does not exist" if isinstance(error, FileNotFoundError) else f"cannot be read ({error.strerror})"
+        problem = (
+            "does not exist" if isinstance(error, FileNotFoundError) else f"cannot be read ({error.strerror})"
+        )
         raise InputError(path, problem, "give a file that `horizon-dl export` wrote") from None
     found = _SEAL.search(content[:_HEAD])
     if found is None:

@@ -1,7 +1,6 @@
 """All kinds of targets by name."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,27 +11,28 @@ from horizon_dl.targets.geodesic import geodesic_target
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
 
-TARGETS: dict[str, Callable[..., NDArray[np.float32]]] = {
+Map = NDArray[np.float32]
+
+TARGETS: dict[str, Callable[..., Map]] = {
     "hard": hard_target,
     "guided": guided_target,
     "geodesic": geodesic_target,
 }
 
 
-def make_target(kind: str, view: View, **parameters: Any) -> NDArray[np.float32]:
+def make_target(kind: str, view: View, p_above: Map | None = None) -> Map:
     """The target of one view: (h, w) float32 in [0, 1], 1 above; NaN where nothing is known.
 
     Args:
         kind: a name in `TARGETS`.
         view: image and elevation.
-        parameters: passed on to the target's function.
+        p_above: (h, w) what a net says of the view; the geodesic target follows its edges, too.
 
     Raises:
         InputError: if the kind is not known.
-
-    Example:
-        `make_target("guided", view, eps=0.003)`
     """
     if kind not in TARGETS:
         raise InputError("target", f"{kind!r} is not known", f"use one of {', '.join(TARGETS)}")
-    return TARGETS[kind](view.image, view.elevation, **parameters)
+    if kind == "geodesic":
+        return geodesic_target(view.image, view.elevation, p_above)
+    return TARGETS[kind](view.image, view.elevation)

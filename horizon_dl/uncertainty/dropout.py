@@ -27,7 +27,8 @@ def sample_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> NDArray[np.floa
 def single_pass_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> NDArray[np.float32]:
     """`p_above` of one image without dropout, (1, h, w) in [0, 1]."""
     net.eval()
-    return _probabilities(net(image_tensor(image)), image).mean(axis=0, keepdims=True)
+    p: NDArray[np.float32] = _probabilities(net(image_tensor(image)), image).mean(axis=0, keepdims=True)
+    return p
 
 
 def _probabilities(logits: Tensor, image: NDArray[np.uint8]) -> NDArray[np.float32]:

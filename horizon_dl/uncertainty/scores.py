@@ -4,13 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.view import View
-from horizon_dl.targets.targets import make_target
+from horizon_dl.targets.geodesic import LEAST_P, horizon_distance
 from horizon_dl.uncertainty.measures import binary_entropy, measures, p_other_side
 
 Map = NDArray[np.float32]
 
 P_ABOVE = "p_above"
-SCORES = ("entropy", "single_pass_entropy", "expected_entropy", "mutual_information", "surprisal", "fused")
+FRAME_WEIGHT = 0.5
+PRIOR_WEIGHT = 1.0
 
 
 def score_maps(view: View, p_above_samples: Map, single_pass: Map | None = None) -> dict[str, Map]:
@@ -39,6 +40,18 @@ def score_maps(view: View, p_above_samples: Map, single_pass: Map | None = None)
 
 
 def fused_score(view: View, p_above: Map) -> Map:
-    """Entropy of the mean of the learner's `p_above` and the frame's own diffused horizon label."""
-    own = np.nan_to_num(make_target("geodesic", view), nan=0.5)
-    return binary_entropy((p_above + own) / 2)
+    """What the learner says, what the frame itself shows, and what is known of the place, added as log odds.
+
+    The log odds of the other side, `logit p`; minus the distance to the horizon along paths that cross
+    neither the image's edges nor the learner's; minus the angle from the horizon over its mean, a geometric
+    prior: near the horizon obstacles are likelier than floor. The weights are fixed for all data.
+
+    Returns:
+        (h, w) in [0, 1].
+    """
+    p = p_other_side(p_above, view.elevation > 0).clip(LEAST_P, 1.0 - LEAST_P)
+    distance = horizon_distance(view.image, view.elevation, p_above)
+    angle = np.abs(view.elevation)
+    evidence = np.log(p / (1.0 - p)) - FRAME_WEIGHT * distance - PRIOR_WEIGHT * angle / np.nanmean(angle)
+    fused: Map = np.nan_to_num(1.0 / (1.0 + np.exp(-evidence))).astype(np.float32)
+    return fused

@@ -1,0 +1,115 @@
+"""Write a trained net as one ONNX file that a drone's CPU runs.
+
+  horizon-dl export RUN --out DIR                     for the camera it was trained with
+  horizon-dl export RUN --out DIR --data DATA         compare and measure on real frames, too
+  horizon-dl export RUN --out DIR --camera DATA       for the camera of another data set
+  horizon-dl export RUN --out DIR --size 320x240      also for images resized to that size (repeatable)
+  horizon-dl export RUN --out DIR --data DATA --int8  also in whole numbers, with what that costs and gains
+
+DIR then holds model.onnx, card.json and parity.json; further sizes are model-WxH.onnx. The file takes the
+camera's image and attitude and gives probability, uncertainties and the obstacle map.
+"""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from horizon_dl.cli.options import add_out
+
+if TYPE_CHECKING:
+    from horizon_dl.export.export import Exported
+    from horizon_dl.frames.frame import Recording
+    from horizon_dl.geometry.camera import Camera
+    from horizon_dl.learning.run import Run
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the verb."""
+    parser.add_argument("run_folder", type=Path, metavar="RUN", help="what `train --out` wrote")
+    add_out(parser)
+    parser.add_argument("--data", type=Path, metavar="DATA", help="data set to compare and measure on")
+    parser.add_argument("--camera", type=Path, metavar="DATA", help="data set whose camera the file is for")
+    parser.add_argument(
+        "--size", type=image_size, metavar="WxH", action="append", default=[], help="a further image size"
+    )
+    parser.add_argument("--int8", action="store_true", help="also write model-int8.onnx (needs --data)")
+    parser.add_argument("--format", metavar="NAME", help="format of DATA (recognised if left out)")
+
+
+def image_size(text: str) -> tuple[int, int]:
+    """For argparse: `320x240` as (320, 240)."""
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit() and min(int(width), int(height)) >= 8):
+        raise argparse.ArgumentTypeError("write it as WIDTHxHEIGHT in pixels, such as 320x240")
+    return int(width), int(height)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Export, compare, measure, write."""
+    from horizon_dl.errors import InputError
+    from horizon_dl.export.export import export_run, parity_frames, trained_camera
+    from horizon_dl.frames.formats import open_recording
+    from horizon_dl.learning.run import load_run
+    from horizon_dl.onboard.predict import same_camera
+    from horizon_dl.output import output_folder
+
+    if arguments.int8 and not arguments.data:
+        raise InputError("--int8", "is chosen by measuring", "name a data set with --data")
+    trained = load_run(arguments.run_folder)
+    data = open_recording(arguments.data, arguments.format) if arguments.data else None
+    if arguments.camera:
+        camera = open_recording(arguments.camera, arguments.format).camera
+    else:
+        camera = trained_camera(trained, arguments.run_folder)
+    if data and not same_camera(data.camera, camera):
+        raise InputError(
+            arguments.data, "has another camera than the file would", "add --camera with that set"
+        )
+    with output_folder(arguments.out) as folder:
+        exported = export_run(trained, camera, parity_frames(data) if data else ())
+        exported = _measured(exported, data)
+        exported.write(folder)
+        _say(exported)
+        if arguments.int8 and data:
+            _write_int8(folder, exported, trained, data)
+        for width, height in arguments.size:
+            export_run(trained, _resized(camera, width, height)).write(folder, f"model-{width}x{height}")
+    print(f"wrote {arguments.out}; next: horizon-dl benchmark {arguments.out / 'model.onnx'}")
+
+
+def _measured(exported: "Exported", data: "Recording | None") -> "Exported":
+    from horizon_dl.export.measure import measured
+
+    if data is None or not any(entry.truth_path for entry in data.entries):
+        return exported
+    figures = measured(exported.content(), data)
+    return exported.with_card(measured=figures, false_positive_rate=figures["fpr"])
+
+
+def _write_int8(folder: Path, exported: "Exported", trained: "Run", data: "Recording") -> None:
+    from horizon_dl.export.int8 import write_int8
+
+    for line in write_int8(folder, exported, data):
+        print(line)
+
+
+def _resized(camera: "Camera", width: int, height: int) -> "Camera":
+    from horizon_dl.errors import InputError
+
+    if abs(width * camera.height / (height * camera.width) - 1) > 0.02:
+        problem = f"has another aspect than the camera's {camera.width}x{camera.height}"
+        raise InputError(f"--size {width}x{height}", problem, "take a multiple of that")
+    return camera.scaled(width, height)
+
+
+def _say(exported: "Exported") -> None:
+    figures = exported.card["parity"]
+    worst = max(level["p_above"] for level in figures["levels"].values())
+    print(
+        f"parity over {figures['frames']} frames of {figures['on']}: p_above within {worst:.1e} at every level"
+    )
+    if "measured" in exported.card:
+        found = exported.card["measured"]
+        print(
+            f"on {found['data']}: AUC {found['auc']:.3f}, at the threshold TPR {found['tpr']:.3f}, FPR {found['fpr']:.3f}"
+        )

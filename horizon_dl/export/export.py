@@ -1,0 +1,91 @@
+"""Exporting a run folder: the file, its card and its parity figures."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import onnx
+
+from horizon_dl.errors import FrameError, InputError
+from horizon_dl.export.card import make_card
+from horizon_dl.export.graph import WholeWay
+from horizon_dl.export.onnx_file import file_bytes, graph_of
+from horizon_dl.export.parity import parity, sample_frames
+from horizon_dl.frames.frame import Frame, Recording
+from horizon_dl.frames.loading import load_frame
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.learning.run import Run
+from horizon_dl.learning.train import evenly
+from horizon_dl.onboard.model import camera_from_card
+from horizon_dl.output import write_json
+
+MOST_FRAMES = 8
+
+
+@dataclass(frozen=True)
+class Exported:
+    """One exported model.
+
+    Attributes:
+        graph: without card and seal.
+        card: with its parity figures.
+    """
+
+    graph: onnx.ModelProto
+    card: dict[str, Any]
+
+    def with_card(self, **entries: Any) -> "Exported":
+        """The same model with more in its card."""
+        return Exported(self.graph, {**self.card, **entries})
+
+    def content(self) -> bytes:
+        """The sealed file."""
+        return file_bytes(self.graph, self.card)
+
+    def write(self, folder: Path, name: str = "model") -> Path:
+        """Write `NAME.onnx`, and `card.json` and `parity.json` (with NAME in front unless it is `model`)."""
+        prefix = "" if name == "model" else f"{name}."
+        path = folder / f"{name}.onnx"
+        path.write_bytes(self.content())
+        write_json(folder / f"{prefix}card.json", self.card)
+        write_json(folder / f"{prefix}parity.json", self.card["parity"])
+        return path
+
+
+def export_run(run: Run, camera: Camera, frames: Sequence[Frame] = ()) -> Exported:
+    """The whole way of a run as an ONNX graph for one camera, compared with the run itself.
+
+    Args:
+        run: trained.
+        camera: of the upright images that the file will take.
+        frames: of that camera and with attitude, to compare on; without any, made-up ones.
+
+    Raises:
+        RuntimeError: the file does not say what the run says.
+    """
+    module = WholeWay(run.net, camera, run.config.image.max_pixels, run.threshold)
+    exported = Exported(graph_of(module), make_card(run, camera))
+    figures = parity(run, exported.content(), frames or sample_frames(camera))
+    if not figures["good"]:
+        raise RuntimeError(f"the exported file differs from the run: {figures['levels']}")
+    return exported.with_card(parity={**figures, "on": "data" if frames else "made-up frames"})
+
+
+def trained_camera(run: Run, where: str | Path) -> Camera:
+    """The camera of the training data; InputError where the run folder holds none."""
+    if "camera" not in run.info:
+        raise InputError(where, "holds no camera", "name a data set with --camera")
+    return camera_from_card(run.info)
+
+
+def parity_frames(recording: Recording) -> list[Frame]:
+    """At most 8 frames with attitude, evenly spread; those that cannot be read are left out."""
+    usable = [index for index, entry in enumerate(recording.entries) if entry.up_cam is not None]
+    frames = []
+    for index in evenly(usable, MOST_FRAMES):
+        try:
+            frames.append(load_frame(recording, index))
+        except FrameError:
+            continue
+    return frames

@@ -1,0 +1,72 @@
+"""What the autopilot's messages tell: attitude, height, and that it lives."""
+
+import math
+from typing import Any
+
+from horizon_dl.geometry.attitude import quaternion_from_rpy
+from horizon_dl.onboard.attitude_buffer import MAX_HEIGHT_AGE_S, AttitudeBuffer, ClockOffset
+from horizon_dl.onboard.watchdog import Watchdog
+
+DOWNWARD = 25  # MAV_SENSOR_ROTATION_PITCH_270
+HEIGHT_SOURCES = ("DISTANCE_SENSOR", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")  # the best first
+
+
+class Autopilot:
+    """Keeps what is needed of an autopilot's messages.
+
+    Attributes:
+        buffer: attitudes and heights, by our clock.
+        heartbeats: counted.
+    """
+
+    def __init__(self, watchdog: Watchdog) -> None:
+        self.buffer = AttitudeBuffer()
+        self.heartbeats = 0
+        self._watchdog = watchdog
+        self._clock = ClockOffset()
+        self._height_s = dict.fromkeys(HEIGHT_SOURCES, -math.inf)
+        self._has_quaternions_s = -math.inf
+
+    def take(self, message: Any, arrival_s: float) -> None:
+        """Take one message, pymavlink's object; those of no use and with impossible values are left."""
+        kind = message.get_type()
+        if kind == "HEARTBEAT":
+            self.heartbeats += 1
+        elif kind == "ATTITUDE_QUATERNION":
+            self._has_quaternions_s = arrival_s
+            q = (message.q1, message.q2, message.q3, message.q4)
+            self._attitude(q, message.time_boot_ms, arrival_s)
+        elif kind == "ATTITUDE" and arrival_s - self._has_quaternions_s > 1.0:
+            angles = (message.roll, message.pitch, message.yaw)
+            if all(map(math.isfinite, angles)):
+                self._attitude(quaternion_from_rpy(*angles), message.time_boot_ms, arrival_s)
+        elif kind in HEIGHT_SOURCES:
+            self._height(kind, message, arrival_s)
+
+    def _attitude(self, quaternion: Any, time_boot_ms: int, arrival_s: float) -> None:
+        time_s = self._clock.to_ours(time_boot_ms * 1e-3, arrival_s)
+        if time_s < self.buffer.newest_s - 1.0:
+            self.buffer.clear()
+        if self.buffer.add(time_s, quaternion):
+            self._watchdog.attitude()
+
+    def _height(self, kind: str, message: Any, arrival_s: float) -> None:
+        better = HEIGHT_SOURCES[: HEIGHT_SOURCES.index(kind)]
+        height_m = height_of(kind, message)
+        if height_m is None or any(arrival_s - self._height_s[one] <= MAX_HEIGHT_AGE_S for one in better):
+            return
+        self._height_s[kind] = arrival_s
+        self.buffer.add_height(arrival_s, height_m)
+
+
+def height_of(kind: str, message: Any) -> float | None:
+    """Metres over the floor that a message gives, None for none.
+
+    A range finder looks along the body's down axis and counts only within its own limits; the other two are
+    heights over the place of the start, which is the floor's only if that is level.
+    """
+    if kind == "DISTANCE_SENSOR":
+        within = message.min_distance < message.current_distance < message.max_distance
+        return message.current_distance / 100 if message.orientation == DOWNWARD and within else None
+    height_m = message.relative_alt / 1000 if kind == "GLOBAL_POSITION_INT" else -message.z
+    return float(height_m) if math.isfinite(height_m) and height_m > 0 else None

@@ -1,0 +1,87 @@
+"""Says whether the sectors may be believed; pure, its clock is the caller's."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+Clock = Callable[[], float]
+
+STALE_S = 0.3
+REPEAT_S = 5.0
+
+
+@dataclass
+class Watchdog:
+    """Watches camera, attitude and model.
+
+    What is late or fails makes everything unknown at once; it recovers by itself when all are good again.
+
+    Attributes:
+        clock: monotonic seconds.
+        stale_s: oldest picture, attitude or result that still counts.
+        repeat_s: how often a trouble that lasts is said again.
+
+    Example:
+        >>> now = [0.0]
+        >>> dog = Watchdog(lambda: now[0])
+        >>> dog.camera(); dog.attitude(); dog.result(0.0)
+        >>> dog.troubles()
+        ()
+        >>> now[0] = 1.0
+        >>> dog.troubles()
+        ('camera stale', 'attitude stale')
+    """
+
+    clock: Clock
+    stale_s: float = STALE_S
+    repeat_s: float = REPEAT_S
+    _camera_s: float | None = None
+    _attitude_s: float | None = None
+    _result_s: float | None = None
+    _model_error: str = ""
+    _said: tuple[str, ...] | None = None
+    _said_s: float = field(default=0.0)
+
+    def camera(self) -> None:
+        """A picture has come."""
+        self._camera_s = self.clock()
+
+    def attitude(self) -> None:
+        """An attitude has come."""
+        self._attitude_s = self.clock()
+
+    def result(self, image_time_s: float) -> None:
+        """The model has answered to a picture taken at that time (of the same clock)."""
+        self._result_s = image_time_s
+        self._model_error = ""
+
+    def model_failed(self, error: str) -> None:
+        """The model raised an error; it holds until the next result."""
+        self._model_error = error
+
+    def troubles(self) -> tuple[str, ...]:
+        """What is wrong now, most basic first; empty if the newest sectors may be believed."""
+        found = []
+        if self._stale(self._camera_s):
+            found.append("camera stale")
+        if self._stale(self._attitude_s):
+            found.append("attitude stale")
+        if self._model_error:
+            found.append(f"model failed: {self._model_error}")
+        elif not found and self._stale(self._result_s):
+            found.append("results stale")
+        return tuple(found)
+
+    def to_say(self) -> str | None:
+        """The line that is due now for the pilot: on every change, and again while a trouble lasts."""
+        troubles, now = self.troubles(), self.clock()
+        changed = troubles != self._said
+        if not changed and not (troubles and now - self._said_s >= self.repeat_s):
+            return None
+        first_and_good = self._said is None and not troubles
+        self._said, self._said_s = troubles, now
+        if troubles:
+            return "Obstacles unknown: " + ", ".join(troubles)
+        return "Obstacles: ready" if first_and_good else "Obstacles: recovered"
+
+    def _stale(self, time_s: float | None) -> bool:
+        return time_s is None or self.clock() - time_s > self.stale_s

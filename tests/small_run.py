@@ -1,0 +1,91 @@
+"""A quickly trained run on the toy set, shared by the tests of export and runtime."""
+
+import tempfile
+from dataclasses import asdict
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch.nn import functional as F  # noqa: N812
+from toy import write_toy_set
+
+from horizon_dl.config import Config
+from horizon_dl.export.export import Exported, export_run, trained_camera
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.frames.frame import Frame
+from horizon_dl.frames.loading import load_frame
+from horizon_dl.geometry.view import make_view
+from horizon_dl.learning.run import Run, save_run
+from horizon_dl.models.build import build_net
+from horizon_dl.models.fcn import enlarge
+from horizon_dl.uncertainty.dropout import image_tensor, sample_p_above
+from horizon_dl.uncertainty.measures import binary_entropy
+
+SETTINGS = {
+    "image": {"max_pixels": 5000},  # below the toy's 6912, so that the graph has to resize
+    "model": {"samples": 12},
+}
+STEPS = 60
+
+
+@lru_cache(maxsize=1)
+def toy_set() -> Path:
+    return write_toy_set(Path(tempfile.mkdtemp()) / "set", frames=24)
+
+
+@lru_cache(maxsize=1)
+def small_run() -> Run:
+    """Trained by a loop of its own: what is tested here does not depend on how the library trains."""
+    config = Config.model_validate(SETTINGS)
+    views = [make_view(frame, config.image.max_pixels) for frame in toy_frames()]
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(0)
+        net = build_net(config.model).train()
+        optimiser = torch.optim.Adam(net.parameters(), 0.005)
+        for step in range(STEPS):
+            view = views[step % len(views)]
+            label = torch.tensor(view.elevation > 0)[None, None].float()
+            logits = enlarge(net(image_tensor(view.image)), label.shape[-2:])
+            loss = F.binary_cross_entropy_with_logits(logits, label.expand_as(logits))
+            optimiser.zero_grad()
+            loss.backward()
+            optimiser.step()
+    net.eval()
+    entropies = [binary_entropy(sample_p_above(net, view.image).mean(axis=0)) for view in views]
+    info = {
+        "data": "set",
+        "format": "images",
+        "camera": asdict(open_recording(toy_set()).camera),
+        "frames": len(views),
+        "skipped": {},
+        "train_s": 1.0,
+        "threshold": float(np.percentile(entropies, 75)),
+        "threshold_rule": "percentile-75",
+    }
+    return Run(net, config, info)
+
+
+@lru_cache(maxsize=1)
+def small_run_folder() -> Path:
+    folder = Path(tempfile.mkdtemp()) / "run"
+    folder.mkdir()
+    save_run(folder, small_run())
+    return folder
+
+
+@lru_cache(maxsize=1)
+def small_export() -> Exported:
+    return export_run(small_run(), trained_camera(small_run(), "run"), toy_frames())
+
+
+@lru_cache(maxsize=1)
+def model_file() -> Path:
+    folder = Path(tempfile.mkdtemp())
+    return small_export().write(folder)
+
+
+@lru_cache(maxsize=1)
+def toy_frames() -> tuple[Frame, ...]:
+    recording = open_recording(toy_set())
+    return tuple(load_frame(recording, index) for index in (0, 5, 11))

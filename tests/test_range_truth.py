@@ -1,0 +1,196 @@
+"""Measured distances and the block `ranging`."""
+
+import math
+from pathlib import Path
+
+import make_sets
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+
+from horizon_dl.errors import FrameError
+from horizon_dl.evaluation.range_truth import level_distance, load_range, nearest, true_distances
+from horizon_dl.evaluation.ranging import RangingTally
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.frames.frame import Frame, RangeUnit
+from horizon_dl.frames.loading import load_frame
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.obstacles.polar import Bearings
+from horizon_dl.obstacles.ranging import FreeDistances, Outcome
+
+CAMERA = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
+UP = np.array([0.0, -math.cos(0.2), -math.sin(0.2)])  # the camera looks 0.2 rad down
+HEIGHT_M = 1.5
+
+
+def hall(wall_m: float) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+    """Depth along the axis and labels of a floor that ends at a round wall, in float64."""
+    v, u = np.mgrid[0:120, 0:160].astype(np.float64)
+    rays = np.stack([(u - 79.5) / 120, (v - 59.5) / 120, np.ones_like(u)], axis=-1)  # z = 1
+    up = rays @ UP
+    level = np.sqrt((rays**2).sum(-1) - up**2)
+    floor_z = np.where(up < 0, -HEIGHT_M / np.minimum(up, -1e-12), np.inf)
+    wall_z = wall_m / level
+    return np.minimum(floor_z, wall_z), np.where(floor_z < wall_z, 1, 2).astype(np.uint8)
+
+
+def frame_of(truth: NDArray[np.uint8]) -> Frame:
+    return Frame("f", 0.0, np.zeros((120, 160, 3), np.uint8), CAMERA, UP, HEIGHT_M, truth)
+
+
+def test_level_distance_of_depth_and_of_range() -> None:
+    depth, labels = hall(5.0)
+    directions = camera_rays(CAMERA).directions
+    wall = labels == 2
+    along_axis = level_distance((depth * 1000).astype(np.uint16), RangeUnit(0.001, "axis"), directions, UP)
+    np.testing.assert_allclose(along_axis[wall], 5.0, atol=3e-3)
+    along_ray = level_distance(
+        (depth / directions[..., 2] * 256).astype(np.uint16), RangeUnit(1 / 256, "ray"), directions, UP
+    )
+    np.testing.assert_allclose(along_ray[wall], 5.0, atol=6e-3)
+
+
+def test_zero_and_the_largest_count_mean_nothing_measured() -> None:
+    counts = np.array([[0, 65535, 1000]], np.uint16)
+    directions = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (1, 3, 1))
+    metres = level_distance(counts, RangeUnit(0.001, "axis"), directions, np.array([0.0, -1.0, 0.0]))
+    assert np.isnan(metres[0, :2]).all()
+    assert metres[0, 2] == pytest.approx(1.0)
+
+
+def test_true_distance_needs_several_points() -> None:
+    depth, labels = hall(5.0)
+    directions = camera_rays(CAMERA).directions
+    range_m = level_distance((depth * 1000).astype(np.uint16), RangeUnit(0.001, "axis"), directions, UP)
+    spoiled = range_m.copy()
+    row, column = (int(n[len(n) // 2]) for n in np.nonzero((labels == 2) & (np.arange(120)[:, None] > 50)))
+    spoiled[row, column] = 1.0  # one stray point
+    distances = true_distances(frame_of(labels), spoiled, Bearings(20, math.radians(3)))
+    measured = np.isfinite(distances)
+    assert measured.sum() >= 18
+    np.testing.assert_allclose(distances[measured], 5.0, atol=5e-3)
+
+
+@pytest.mark.parametrize("as_p", [False, True])
+def test_a_perfect_map_ranges_well(as_p: bool) -> None:
+    depth, labels = hall(5.0)
+    directions = camera_rays(CAMERA).directions
+    range_m = level_distance((depth * 1000).astype(np.uint16), RangeUnit(0.001, "axis"), directions, UP)
+    tally = RangingTally(0.7, 25.0)
+    found = np.where(labels == 2, 0.5, 0.05).astype(np.float32) if as_p else labels == 2
+    tally.add(frame_of(labels), found, range_m)
+    metrics = tally.metrics()
+    assert metrics["columns"] > 60
+    assert metrics["median_relative_error"] < 0.03
+    assert (metrics["missed"], metrics["false_stop"], metrics["unknown"]) == (0, 0, 0)
+
+
+def distances(outcome: list[int], metres: list[float], contact_seen: list[bool]) -> FreeDistances:
+    n = len(outcome)
+    return FreeDistances(
+        np.zeros(n, np.float32),
+        np.array(outcome, np.uint8),
+        np.array(metres, np.float32),
+        np.full(n, 0.5, np.float32),
+        np.zeros(n, np.float32),
+        np.array(contact_seen),
+        np.full(n, math.radians(30), np.float32),
+    )
+
+
+def test_what_counts_as_missed_and_as_false_stop() -> None:
+    # Hand-counted. Height 1 m, nearest ground at 30 degrees = 1.73 m.
+    inf, nan = math.inf, math.nan
+    truth = np.array([4.0, 4.0, 4.0, 4.0, 4.0, 1.0, 1.0, 9.0, nan], np.float32)
+    outcome = [2, 2, 2, 1, 0, 2, 1, 2, 2]
+    metres = [4.4, 6.1, 2.6, inf, nan, 1.7, inf, 1.0, 1.0]
+    tally = RangingTally(0.7, 5.0)
+    tally.count(distances(outcome, metres, [True] * 5 + [False] * 4), truth, 1.0)
+    metrics = tally.metrics()
+    assert metrics["columns"] == 7
+    assert metrics["missed"] == pytest.approx(3 / 7)  # 6.1 m; free; free before a contact below the view
+    assert metrics["false_stop"] == pytest.approx(1 / 7)
+    assert metrics["unknown"] == pytest.approx(1 / 7)
+    assert metrics["contact_below_view"] == pytest.approx(2 / 7)
+    assert metrics["median_relative_error"] == pytest.approx(0.35, rel=1e-5)  # of 0.1, 0.525, 0.35
+    assert metrics["within_2sd"] == pytest.approx(1 / 3)
+
+
+def test_without_any_measurement_figures_are_null() -> None:
+    metrics = RangingTally().metrics()
+    assert metrics["columns"] == 0
+    assert metrics["median_relative_error"] is None
+    assert metrics["missed"] is None
+
+
+def test_range_of_a_recording_is_read_in_its_unit(tmp_path: Path) -> None:
+    folder = make_sets.images_csv(tmp_path)
+    (folder / "depth").mkdir()
+    Image.fromarray(np.full((12, 16), 2000, np.uint16)).save(folder / "depth" / "b.png")
+    recording = open_recording(folder)
+    assert load_range(recording, 0) is None
+    metres = load_range(recording, 1)
+    assert metres is not None
+    assert metres.shape == (12, 16)
+    # Pitched up by 0.2 rad; the middle ray runs 0.2 rad over the horizon.
+    assert metres[5:7, 7:9].mean() == pytest.approx(2.0 * math.cos(0.2), rel=0.01)
+
+
+def test_a_range_image_of_8_bits_is_refused(tmp_path: Path) -> None:
+    folder = make_sets.images_csv(tmp_path)
+    make_sets.save_image(folder / "depth" / "b.png", grey=True)
+    with pytest.raises(FrameError, match="16 bits"):
+        load_range(open_recording(folder), 1)
+
+
+def test_nearest_takes_the_pixel_over_the_centre() -> None:
+    image = np.arange(16, dtype=np.uint8).reshape(4, 4)
+    assert nearest(image, 2, 2).tolist() == [[5, 7], [13, 15]]
+
+
+@pytest.mark.real_data
+@pytest.mark.parametrize(
+    ("name", "interval", "limit"), [("corridor", (0.7, 4.0), 0.07), ("kitti", (5.0, 25.0), 0.06)]
+)
+def test_ranging_with_the_truths_own_floor(
+    data_dir: Path, name: str, interval: tuple[float, float], limit: float
+) -> None:
+    """Ranging alone, without map errors; behind the first obstacle nothing counts as floor (see KITTI)."""
+    recording = open_recording(data_dir / name)
+    tally = RangingTally(*interval)
+    for index in range(5, len(recording.entries), 20):
+        frame, range_m = load_frame(recording, index), load_range(recording, index)
+        assert range_m is not None
+        assert frame.truth is not None
+        not_floor, known = floor_in_front(frame, range_m)
+        tally.add(frame, not_floor, range_m, known=known)
+    metrics = tally.metrics()
+    assert metrics["columns"] > 50
+    assert metrics["median_relative_error"] < limit
+    assert metrics["missed"] < 0.03
+    assert metrics["false_stop"] < 0.02
+
+
+def floor_in_front(frame: Frame, range_m: NDArray[np.float32]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Lidar points on the road under a car's bumper are floor to the labels, but lie behind its front."""
+    from horizon_dl.evaluation.range_truth import floor_up
+    from horizon_dl.evaluation.ranging import EVALUATION_BEARINGS as BEARINGS
+    from horizon_dl.obstacles.polar import directions_to_polar
+
+    height, width = range_m.shape
+    up = floor_up(frame)
+    assert up is not None
+    assert frame.truth is not None
+    bearing, _ = directions_to_polar(camera_rays(frame.camera.scaled(width, height)).directions, up)
+    sector = np.clip(np.floor(bearing / BEARINGS.step_rad + BEARINGS.count / 2), 0, BEARINGS.count - 1)
+    front_m = true_distances(frame, range_m, BEARINGS)[sector.astype(int)]
+    known = np.isfinite(range_m)
+    with np.errstate(invalid="ignore"):
+        behind = range_m > front_m
+    return known & ((nearest(frame.truth, height, width) != 1) | behind), known
+
+
+def test_outcome_values_are_stable() -> None:
+    assert [int(o) for o in Outcome] == [0, 1, 2]
