@@ -61,6 +61,7 @@ class TrainConfig(Section):
     crop: Annotated[int, Field(ge=32)] = 128
     learning_rate: Positive = 0.003
     weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
+    average_decay: Share = 0.98
     memory_mb: Count = 1024
 
 

@@ -2,7 +2,10 @@
 
 import hashlib
 import json
+import shutil
+import subprocess
 from dataclasses import asdict
+from pathlib import Path
 from types import MethodType
 
 import numpy as np
@@ -19,6 +22,7 @@ from horizon_dl.config import Config
 from horizon_dl.export.card import INPUTS, OUTPUTS
 from horizon_dl.export.export import export_run, parity_frames, trained_camera
 from horizon_dl.export.graph import WholeWay, bilinear_weights, summaries
+from horizon_dl.export.int8 import verdict
 from horizon_dl.export.onnx_file import RANDOM_OPERATORS, graph_of
 from horizon_dl.export.parity import LEVELS, ON_ANOTHER_GRID, TOLERANCE, sample_frames
 from horizon_dl.export.shrink import AreaShrink, NearestEnlarge
@@ -28,10 +32,12 @@ from horizon_dl.geometry.resize import area_resize
 from horizon_dl.geometry.view import make_view
 from horizon_dl.learning.run import Run
 from horizon_dl.models.build import build_net
+from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.onboard.model import ObstacleModel
 from horizon_dl.uncertainty.dropout import image_tensor, sample_p_above, single_pass_p_above
 from horizon_dl.uncertainty.measures import binary_entropy
 
+EXPORTS = Path(__file__).parent.parent / "exports"
 SETS = (
     "kitti/2011_09_26/2011_09_26_drive_0052_sync",
     "arena",
@@ -56,8 +62,7 @@ def fresh_run(frames, max_pixels=76_800) -> Run:
     with torch.no_grad():
         for image in images * 3:
             net(image)
-        for parameter in net.classifiers.parameters():
-            parameter.mul_(20)
+        net.masks.mul_(20)
     net.eval()
     entropy = binary_entropy(sample_p_above(net, make_view(frames[0], max_pixels).image).mean(axis=0))
     return Run(net, config, {"threshold": float(np.median(entropy))})
@@ -103,7 +108,7 @@ def test_a_graph_with_a_dropout_operator_is_refused():
     net = build_net(small_run().config.model)
 
     def naive(self, features):
-        return self.classifiers(F.dropout(features, 0.3, training=True))
+        return HorizonFCN.sample_logits(self, F.dropout(features, 0.3, training=True))
 
     net.sample_logits = MethodType(naive, net)
     module = WholeWay(net.eval(), Camera("pinhole", 64, 48, 50.0, 50.0, 31.5, 23.5), 5000, 0.5)
@@ -175,7 +180,9 @@ def test_enlarging_weights_are_those_of_the_net():
     torch.testing.assert_close(product, wanted)
 
 
-@pytest.mark.parametrize(("size", "image"), [((503, 151), (1242, 375)), ((320, 240), (640, 480)), ((31, 70), (97, 71))])
+@pytest.mark.parametrize(
+    ("size", "image"), [((503, 151), (1242, 375)), ((320, 240), (640, 480)), ((31, 70), (97, 71))]
+)
 def test_nearest_enlarging_is_pillows(size, image):
     mask = np.random.default_rng(0).integers(0, 2, size[::-1], dtype=np.uint8)
     wanted = np.asarray(Image.fromarray(mask).resize(image, Image.Resampling.NEAREST))
@@ -221,7 +228,7 @@ def test_the_same_run_gives_the_same_bytes():
 
 def test_nothing_of_this_machine_is_in_the_file():
     content = small_export().content()
-    for word in (b"site-packages", b"/home", b"/root", b"/tmp", b"horizon_dl/", b".py"):  # noqa: S108
+    for word in (b"site-packages", b"/home", b"/root", b"/tmp", b"horizon_dl/", b".py"):
         assert word not in content
 
 
@@ -292,3 +299,61 @@ def test_bad_input_is_one_line(tmp_path, capsys, arguments, words):
     assert words in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+def test_int8_states_its_gain_and_its_cost(tmp_path, capsys):
+    arguments = [str(small_run_folder()), "--out", str(tmp_path / "out"), "--data", str(toy_set()), "--int8"]
+    assert main(["export", *arguments]) == 0
+    card = ObstacleModel.load(tmp_path / "out" / "model-int8.onnx").card
+    assert card["int8"]["speed_up"] == pytest.approx(card["int8"]["float32_ms"] / card["int8"]["int8_ms"])
+    assert abs(card["int8"]["auc_change"]) < 0.1
+    operators = {node.op_type for node in onnx.load(tmp_path / "out" / "model-int8.onnx").graph.node}
+    assert "QuantizeLinear" in operators
+    assert "times as fast; AUC" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("speed_up", "auc_change", "words"),
+    [(0.6, 0.0, "it is slower"), (1.5, -0.02, "it costs AUC"), (0.6, -0.02, "it is slower and it costs AUC")],
+)
+def test_int8_advises_against_itself_where_it_loses(speed_up, auc_change, words):
+    figures = {"float32_ms": 3.0, "int8_ms": 3.0 / speed_up, "speed_up": speed_up, "auc_change": auc_change}
+    assert words in verdict(figures)[-1]
+    assert "not advised" in verdict(figures)[-1]
+    assert len(verdict({**figures, "speed_up": 1.4, "auc_change": 0.001})) == 1
+
+
+@pytest.fixture(scope="module")
+def node_folder(tmp_path_factory):
+    """The Node.js example with its package, fetched without running any install script."""
+    if not (shutil.which("node") and shutil.which("npm")):
+        pytest.skip("Node.js is not installed")
+    folder = tmp_path_factory.mktemp("node") / "example"
+    shutil.copytree(EXPORTS / "node", folder, ignore=shutil.ignore_patterns("node_modules"))
+    install = ["npm", "install", "--ignore-scripts", "--no-audit", "--no-fund"]
+    done = subprocess.run(install, cwd=folder, capture_output=True, text=True, timeout=300)
+    if done.returncode:
+        pytest.skip("the npm registry cannot be reached")
+    return folder
+
+
+@pytest.mark.slow
+def test_node_says_the_same(model, node_folder):
+    frame = toy_frames()[1]
+    Image.fromarray(frame.image).save(node_folder / "picture.ppm")
+    up_cam = [f"{part:.9g}" for part in frame.up_cam]
+    command = ["node", "obstacles.mjs", str(model_file()), "picture.ppm", *up_cam, "--maps", "maps.json"]
+    done = subprocess.run(command, cwd=node_folder, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    wanted = vars(model.predict(frame.image, frame.up_cam))
+    for name, found in json.loads((node_folder / "maps.json").read_text()).items():
+        np.testing.assert_allclose(np.reshape(found["data"], found["dims"]), wanted[name], atol=TOLERANCE)
+
+
+@pytest.mark.slow
+def test_node_refuses_a_damaged_file(node_folder):
+    (node_folder / "cut.onnx").write_bytes(model_file().read_bytes()[:-1])
+    command = ["node", "obstacles.mjs", "cut.onnx", "picture.ppm"]
+    done = subprocess.run(command, cwd=node_folder, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert "is cut off" in done.stderr

@@ -8,6 +8,7 @@ from toy import write_toy_set
 from horizon_dl.config import load_config
 from horizon_dl.errors import InputError
 from horizon_dl.frames.formats import open_recording
+from horizon_dl.learning.averaging import averaged
 from horizon_dl.learning.crops import TrainingFrame, draw_batch, training_frame
 from horizon_dl.learning.memory import ReplayMemory
 from horizon_dl.learning.module import horizon_loss
@@ -118,7 +119,9 @@ def test_training_repeats_to_the_bit(toy, config):
     for a, b in zip(first.state_dict().values(), second.state_dict().values(), strict=True):
         assert torch.equal(a, b)
     other = train_net(store, range(20), seed=4)
-    assert not torch.equal(first.state_dict()["classifiers.weight"], other.state_dict()["classifiers.weight"])
+    assert not torch.equal(
+        first.state_dict()["deep.classifier.weight"], other.state_dict()["deep.classifier.weight"]
+    )
 
 
 def test_training_does_not_touch_the_global_random_state(toy, config):
@@ -183,3 +186,16 @@ def test_unreadable_frames_are_skipped_until_they_are_too_many(toy, config):
         list(broken(12).views(range(24)))
     with pytest.raises(InputError, match="4 of 4"):
         list(broken(4).views(range(4)))
+
+
+def test_the_average_is_the_recursion_by_hand():
+    layer = torch.nn.Linear(1, 1, bias=False)
+    values = [1.0, 2.0, 5.0, -3.0]
+    average = averaged(layer, 0.6)
+    expected = None
+    for count, value in enumerate(values):
+        torch.nn.init.constant_(layer.weight, value)
+        average.update_parameters(layer)
+        decay = min(0.6, (count + 1) / (count + 10))
+        expected = value if expected is None else decay * expected + (1 - decay) * value
+    assert average.module.weight.item() == pytest.approx(expected, rel=1e-6)

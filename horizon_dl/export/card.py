@@ -2,7 +2,6 @@
 
 import hashlib
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 from safetensors.torch import save
@@ -11,6 +10,7 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.view import working_size
 from horizon_dl.learning.run import Run
 from horizon_dl.models.build import parameter_count
+from horizon_dl.onboard.model import camera_from_card
 from horizon_dl.provenance import versions
 
 KIND = "horizon-dl obstacle model"
@@ -20,8 +20,8 @@ WHAT = (
     "predictive entropy is the obstacle score (after arXiv:1806.08007)."
 )
 SAMPLES = (
-    "The dropout samples are fixed masks folded into the weights of the last layer, so the file holds no random "
-    "operator and repeats itself in every runtime."
+    "The dropout samples are fixed masks folded into the weights of the last layer, so the file holds no "
+    "random operator and repeats itself in every runtime."
 )
 LIMITS = (
     "Made for one camera in the surroundings it was trained in. Entropy is high on every appearance that it "
@@ -38,22 +38,22 @@ INPUTS = {
     "z forward); three NaN where the attitude is not known",
 }
 OUTPUTS = {
-    "p_above": "float32 (h, w) in [0, 1]: probability that the appearance belongs above the horizon, mean over "
-    "the dropout samples",
+    "p_above": "float32 (h, w) in [0, 1]: probability that the appearance belongs above the horizon, mean "
+    "over the dropout samples",
     "entropy": "float32 (h, w), bits in [0, 1]: predictive entropy of p_above, the obstacle score",
     "expected_entropy": "float32 (h, w), bits in [0, 1]: entropy less mutual information",
-    "mutual_information": "float32 (h, w), bits in [0, 1]: disagreement of the dropout samples, computed on the "
-    "net's coarse grid and enlarged",
-    "surprisal": "float32 (h, w), bits in [0, 126]: -log2 of the probability of the side of the horizon that the "
-    "pixel really is on; means nothing without up_cam",
-    "elevation": "float32 (h, w), rad in [-pi/2, pi/2], positive above the horizon; NaN without up_cam and where "
-    "the lens model gives no ray",
-    "obstacles": "uint8 (H, W): 1 where the entropy is over the threshold, without pixels that have no obstacle "
-    "among their 8 neighbours; nearest-pixel enlargement of the working size",
+    "mutual_information": "float32 (h, w), bits in [0, 1]: disagreement of the dropout samples, computed on "
+    "the net's coarse grid and enlarged",
+    "surprisal": "float32 (h, w), bits in [0, 126]: -log2 of the probability of the side of the horizon that "
+    "the pixel really is on; means nothing without up_cam",
+    "elevation": "float32 (h, w), rad in [-pi/2, pi/2], positive above the horizon; NaN without up_cam and "
+    "where the lens model gives no ray",
+    "obstacles": "uint8 (H, W): 1 where the entropy is over the threshold, without pixels that have no "
+    "obstacle among their 8 neighbours; nearest-pixel enlargement of the working size",
 }
 LEFT_OUT = {
-    "fused": "the geodesic diffusion of the frame's own horizon label is a shortest-path search, no tensor operator",
-    "single_pass_entropy": "the same net without dropout would cost a second last layer; it is a baseline only",
+    "fused": "the diffusion of the frame's own horizon label is a shortest-path search, no tensor operator",
+    "single_pass_entropy": "a baseline only; the net without dropout would cost a second last layer",
     "free distance": "ranging needs the height, which is no input of the image's graph",
 }
 
@@ -96,15 +96,9 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
 
 def camera_is_trained(info: dict[str, Any], camera: Camera) -> bool:
     """Whether the camera is the one of the training data."""
-    stored = info.get("camera")
-    return bool(stored) and {**stored, "distortion": tuple(stored["distortion"])} == asdict(camera)
+    return "camera" in info and camera_from_card(info) == camera
 
 
 def weights_hash(run: Run) -> str:
     """SHA-256 of the weights as a safetensors file: that of the run folder's own."""
     return hashlib.sha256(save({k: v.contiguous() for k, v in run.net.state_dict().items()})).hexdigest()
-
-
-def short_name(path: Path) -> str:
-    """The name of a data folder for a card, without the machine's path."""
-    return path.resolve().name

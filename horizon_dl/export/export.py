@@ -69,7 +69,7 @@ def export_run(run: Run, camera: Camera, frames: Sequence[Frame] = ()) -> Export
     figures = parity(run, exported.content(), frames or sample_frames(camera))
     if not figures["good"]:
         raise RuntimeError(f"the exported file differs from the run: {figures['levels']}")
-    return exported.with_card(parity={**figures, "on": "data" if frames else "made-up frames"})
+    return exported.with_card(parity={**figures, "on": "real frames" if frames else "made-up frames"})
 
 
 def trained_camera(run: Run, where: str | Path) -> Camera:

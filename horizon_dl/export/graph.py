@@ -93,24 +93,25 @@ class Uncertainty(nn.Module):
     def forward(self, features: Tensor) -> tuple[Tensor, Tensor]:
         """Two (h, w) maps of (1, features, h / s, w / s)."""
         if not self.sampled:
-            p = self.net.classifiers(features).sigmoid().mean(dim=1, keepdim=True)
-            (enlarged,) = self.enlarge(p)[0]
+            weight, bias = self.net.sample_weights()  # the masks' mean is one
+            logits = nn.functional.conv2d(features, weight.mean(dim=0, keepdim=True), bias[:1])
+            enlarged = self.enlarge(logits.sigmoid())[0, 0]
             return enlarged, torch.zeros_like(enlarged)
         logits = self.net.sample_logits(features)
         mean, expected = summaries(logits.flatten(2)[0])
         entropy = -mean * _log2(mean) - (1 - mean) * _log2(1 - mean)
         information = (entropy - expected).clamp(0.0, 1.0)
-        coarse = torch.stack([mean, information]).unflatten(1, logits.shape[-2:])
-        p_above, information = self.enlarge(coarse)
-        return p_above, information
+        rows, columns = logits.shape[-2:]
+        maps = self.enlarge(torch.stack([mean, information]).reshape(2, rows, columns))
+        return maps[0], maps[1]
 
 
 def summaries(logits: Tensor) -> tuple[Tensor, Tensor]:
     """Mean probability and expected entropy in bits, (pixels,) each, of (samples, pixels) logits.
 
-    Written for speed: with q the probability of the likelier side, H = (1 - q) |z| - log q takes one logarithm
-    instead of two, many of which are taken as that of a product; q never is too small for a runtime's coarse
-    sigmoid. Means are products with a row, which runtimes do best.
+    Written for speed: with q the probability of the likelier side, H = (1 - q) |z| - log q takes one
+    logarithm instead of two, many of which are taken as that of a product; q never is too small for a
+    runtime's coarse sigmoid. Means are products with a row, which runtimes do best.
     """
     samples = logits.shape[0]
     p = logits.sigmoid()
@@ -155,7 +156,10 @@ class MeasureMaps(nn.Module):
 
 
 class Horizon(nn.Module):
-    """Elevation of every pixel from the camera's rays, NaN where the lens model or the attitude gives none."""
+    """Elevation of every pixel from the camera's rays, NaN where lens model or attitude give none."""
+
+    rays: Tensor
+    no_ray: Tensor
 
     def __init__(self, camera: Camera) -> None:
         super().__init__()
@@ -190,7 +194,8 @@ class ObstacleMap(nn.Module):
         together = nn.functional.avg_pool2d(over, 3, stride=1, padding=1) > 1.5 / 9
         found = over * together
         if self.size != self.image_size:
-            return self.enlarge(found[0, 0].to(torch.uint8))
+            enlarged: Tensor = self.enlarge(found[0, 0].to(torch.uint8))
+            return enlarged
         return found[0, 0].to(torch.uint8)
 
 

@@ -1,9 +1,10 @@
 """Writing the graph as an ONNX file with its card and seal inside."""
 
-import io
 import json
 import logging
+import tempfile
 import warnings
+from pathlib import Path
 from typing import Any
 
 import onnx
@@ -37,20 +38,19 @@ def graph_of(module: WholeWay) -> onnx.ModelProto:
     """
     width, height = module.image_size
     image = torch.zeros(1, height, width, 3, dtype=torch.uint8)
-    buffer = io.BytesIO()
-    with warnings.catch_warnings(), torch.inference_mode():
+    with warnings.catch_warnings(), torch.inference_mode(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore")
         logging.getLogger("torch.onnx").setLevel(logging.ERROR)
         torch.onnx.export(
             module.eval(),
             (image, torch.tensor([0.0, -1.0, 0.0])),
-            buffer,
+            Path(folder) / "graph.onnx",
             dynamo=False,
             opset_version=OPSET,
             input_names=list(INPUTS),
             output_names=list(OUTPUTS),
         )
-    graph = onnx.load_from_string(buffer.getvalue())
+        graph = onnx.load(Path(folder) / "graph.onnx")
     found = RANDOM_OPERATORS & {node.op_type for node in graph.graph.node}
     if found:
         raise RuntimeError(f"the graph holds {', '.join(sorted(found))}; a deployed graph may not be random")

@@ -1,5 +1,6 @@
 """Resizing inside the graph: area averaging before the net, nearest pixel for the obstacle map."""
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
@@ -43,7 +44,7 @@ class Banded(nn.Module):
         self.spans: list[tuple[int, int]] = []
         for start in range(0, 0 if self.identity else outputs, BAND):
             band = weights[start : start + BAND]
-            used = (band > 0).any(axis=0).nonzero()[0]
+            used = np.flatnonzero(band.max(axis=0))
             first, last = int(used[0]), int(used[-1]) + 1
             self.register_buffer(f"band{len(self.spans)}", torch.from_numpy(band[:, first:last].copy()))
             self.spans.append((first, last))
@@ -72,9 +73,8 @@ class NearestEnlarge(nn.Module):
 
     def __init__(self, size: tuple[int, int], image_size: tuple[int, int]) -> None:
         super().__init__()
-        self.columns, self.rows = (
-            torch.from_numpy(nearest_pixels(small, large)) for small, large in zip(size, image_size, strict=True)
-        )
+        self.columns = torch.from_numpy(nearest_pixels(size[0], image_size[0]))
+        self.rows = torch.from_numpy(nearest_pixels(size[1], image_size[1]))
 
     def forward(self, maps: Tensor) -> Tensor:
         """(h, w) to (H, W)."""

@@ -11,6 +11,7 @@ from torch.nn import functional as F  # noqa: N812  (torch's own name)
 from torch.utils.data import IterableDataset
 
 from horizon_dl.config import TrainConfig
+from horizon_dl.learning.averaging import averaged
 from horizon_dl.learning.crops import Batch, draw_batch
 from horizon_dl.learning.store import FramePool
 from horizon_dl.models.fcn import HorizonFCN
@@ -31,13 +32,14 @@ def horizon_loss(logits: Tensor, batch: Batch) -> Tensor:
 
 
 class HorizonModule(lightning.LightningModule):
-    """Trains a `HorizonFCN` for a number of steps known beforehand."""
+    """Trains a `HorizonFCN` for a number of steps known beforehand; `average` is the result."""
 
     def __init__(self, net: HorizonFCN, config: TrainConfig, steps: int) -> None:
         super().__init__()
         self.net = net
         self.config = config
         self.steps = steps
+        self.average = averaged(net, config.average_decay)
 
     def training_step(self, batch: Batch, _: int) -> Tensor:
         """Loss of one batch of crops."""
@@ -45,10 +47,14 @@ class HorizonModule(lightning.LightningModule):
         self.log("loss", loss, prog_bar=True)
         return loss
 
+    def on_train_batch_end(self, *_: Any) -> None:
+        """Take the step into the average."""
+        self.average.update_parameters(self.net)
+
     def configure_optimizers(self) -> Any:
         """AdamW; the learning rate rises for a tenth of the steps, then falls along a cosine."""
         optimiser = torch.optim.AdamW(
-            self.parameters(), lr=self.config.learning_rate, weight_decay=self.config.weight_decay
+            self.net.parameters(), lr=self.config.learning_rate, weight_decay=self.config.weight_decay
         )
         schedule = torch.optim.lr_scheduler.OneCycleLR(
             optimiser, self.config.learning_rate, total_steps=self.steps, pct_start=0.1

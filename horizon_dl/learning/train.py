@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import lightning
 import numpy as np
@@ -26,7 +26,7 @@ from horizon_dl.learning.store import FramePool, FrameStore
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.obstacles.percentile import stream_percentile
-from horizon_dl.uncertainty.dropout import sample_p_above, single_pass_p_above
+from horizon_dl.uncertainty.dropout import p_above_of_all_depths, sample_p_above
 from horizon_dl.uncertainty.measures import binary_entropy
 
 THRESHOLD_FRAMES = 50
@@ -72,15 +72,16 @@ def train_net(
             )
             crops = DataLoader(CropStream(pool, config.train, rng), batch_size=None)
             logger = TensorBoardLogger(log_dir, name="", version=f"round_{number}") if log_dir else None
-            _trainer(steps, logger, progress).fit(HorizonModule(net, config.train, steps), crops)
-            net.eval().cpu()
+            module = HorizonModule(net, config.train, steps)
+            _trainer(steps, logger, progress).fit(module, crops)
+            net = cast(HorizonFCN, module.average.module).cpu().eval()
     return net
 
 
 def _frame_maker(config: Config, net: HorizonFCN | None) -> Callable[[View], TrainingFrame]:
     if net is None:
         return lambda view: training_frame(view, config)
-    return lambda view: training_frame(view, config, single_pass_p_above(net, view.image)[0])
+    return lambda view: training_frame(view, config, p_above_of_all_depths(net, view.image))
 
 
 def _trainer(steps: int, logger: TensorBoardLogger | None, progress: bool) -> lightning.Trainer:

@@ -9,21 +9,36 @@ from torch.nn import functional as F  # noqa: N812  (torch's own name)
 MASK_SEED = 0
 
 
+class Head(nn.Module):
+    """A 1x1 layer, dropout of whole feature maps, and a linear classifier."""
+
+    def __init__(self, channels: int, width: int, dropout: float) -> None:
+        super().__init__()
+        self.neck = nn.Sequential(nn.Conv2d(channels, width, 1), nn.ReLU(inplace=True))
+        self.dropout = nn.Dropout2d(dropout)
+        self.classifier = nn.Conv2d(width, 1, 1)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Logits (N, 1, h, w)."""
+        logits: Tensor = self.classifier(self.dropout(self.neck(features)))
+        return logits
+
+
 class HorizonFCN(nn.Module):
-    """Probability that a pixel's appearance belongs above the horizon, judged at several depths.
+    """Probability (as a logit) that a pixel's appearance belongs above the horizon.
 
-    Every depth of the encoder that is tapped has a classifier of its own, so that one judges by the nearest
-    surroundings and another by a large part of the image; their probabilities are averaged. A classifier
-    that sees much tells the foot of a wall from its top and is sure about both; one that sees little cannot.
+    Every tapped depth of the encoder has a head. The deepest one predicts. The others see less around a
+    pixel; they are trained beside it, and the mean over all depths guides the targets of later rounds: what
+    sees much tells the foot of a wall from its top and is sure about both, what sees little cannot.
 
-    Dropout of whole feature maps sits before the last 1x1 convolution alone, so the samples of the output
-    cost one 1x1 convolution (`sample_logits`). Their masks are drawn once, when the net is made, and kept
-    with its weights: whoever runs the net, in whatever runtime, gets the same numbers.
+    Dropout sits before the last layer alone, so the samples of the output cost one 1x1 convolution
+    (`sample_logits`). Their masks are drawn once, when the net is made, and kept with its weights: whoever
+    runs the net, in whatever runtime, gets the same numbers.
 
     Args:
         encoder: module from (N, 3, h, w) normalised RGB to features at the tapped depths, all of one size.
         channels: of the features at each depth.
-        width: features each classifier judges by.
+        width: features each head judges by.
         dropout: rate, in [0, 1).
         samples: number of fixed masks.
     """
@@ -35,36 +50,36 @@ class HorizonFCN(nn.Module):
     ) -> None:
         super().__init__()
         self.encoder = encoder
-        self.necks = nn.ModuleList(
-            nn.Sequential(nn.Conv2d(count, width, 1), nn.ReLU(inplace=True)) for count in channels
-        )
-        self.dropout = nn.Dropout2d(dropout)
-        depths = len(channels)
-        self.classifiers = nn.Conv2d(depths * width, depths, 1, groups=depths)
-        self.register_buffer("masks", balanced_masks(samples, depths * width, dropout))
-
-    def encode(self, image: Tensor) -> Tensor:
-        """Features (N, depths * width, h / s, w / s) of (N, 3, h, w) RGB in [0, 1]; no dropout here."""
-        features = self.encoder((image - 0.5) / 0.25)
-        return torch.cat([neck(part) for neck, part in zip(self.necks, features, strict=True)], dim=1)
+        self.shallow = nn.ModuleList(Head(count, width, dropout) for count in channels[:-1])
+        self.deep = Head(channels[-1], width, dropout)
+        self.register_buffer("masks", balanced_masks(samples, width, dropout))
 
     def forward(self, image: Tensor) -> Tensor:
-        """Logits (N, depths, h / s, w / s) of (N, 3, h, w) RGB in [0, 1]; in training mode with dropout."""
-        logits: Tensor = self.classifiers(self.dropout(self.encode(image)))
-        return logits
+        """Logits (N, depths, h / s, w / s) of (N, 3, h, w) RGB in [0, 1], the deepest last."""
+        features = self.encoder(normalised(image))
+        heads = [*self.shallow, self.deep]
+        return torch.cat([head(part) for head, part in zip(heads, features, strict=True)], dim=1)
+
+    def encode(self, image: Tensor) -> Tensor:
+        """What the deepest head judges by, (N, width, h / s, w / s), of (N, 3, h, w) RGB in [0, 1]."""
+        features: Tensor = self.deep.neck(self.encoder(normalised(image))[-1])
+        return features
 
     def sample_logits(self, features: Tensor) -> Tensor:
-        """Logits (N, depths * masks, h / s, w / s) of encoded features: every classifier, every mask."""
+        """Logits (N, masks, h / s, w / s) of encoded features, one channel a mask."""
         weight, bias = self.sample_weights()
-        return F.conv2d(features, weight, bias, groups=len(self.necks))
+        return F.conv2d(features, weight, bias)
 
     def sample_weights(self) -> tuple[Tensor, Tensor]:
-        """Weight (depths * masks, width, 1, 1) and bias of the grouped convolution that samples."""
-        depths, masks = len(self.necks), len(self.masks)
-        masked = self.masks.view(masks, depths, -1) * self.classifiers.weight[None, :, :, 0, 0]
-        assert self.classifiers.bias is not None
-        weight = masked.transpose(0, 1).reshape(depths * masks, -1, 1, 1)
-        return weight, self.classifiers.bias.repeat_interleave(masks)
+        """Weight (masks, width, 1, 1) and bias (masks,) of the convolution that samples."""
+        assert self.deep.classifier.bias is not None
+        weight = self.masks[:, :, None, None] * self.deep.classifier.weight
+        return weight, self.deep.classifier.bias.expand(len(weight))
+
+
+def normalised(image: Tensor) -> Tensor:
+    """RGB in [0, 1] to about zero mean and unit deviation."""
+    return (image - 0.45) * 4.0
 
 
 def balanced_masks(samples: int, features: int, rate: float) -> Tensor:

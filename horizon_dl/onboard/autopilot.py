@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from horizon_dl.geometry.attitude import quaternion_from_rpy
+from horizon_dl.geometry.attitude import quaternion_from_rpy, rotation_from_quaternion
 from horizon_dl.onboard.attitude_buffer import MAX_HEIGHT_AGE_S, AttitudeBuffer, ClockOffset
 from horizon_dl.onboard.watchdog import Watchdog
 
@@ -56,7 +56,14 @@ class Autopilot:
         if height_m is None or any(arrival_s - self._height_s[one] <= MAX_HEIGHT_AGE_S for one in better):
             return
         self._height_s[kind] = arrival_s
+        if kind == "DISTANCE_SENSOR":
+            height_m *= self._upright(arrival_s)
         self.buffer.add_height(arrival_s, height_m)
+
+    def _upright(self, time_s: float) -> float:
+        """Cosine of the body's tilt: a range finder fixed to it measures along its own axis."""
+        attitude = self.buffer.at(time_s, max_ahead_s=MAX_HEIGHT_AGE_S)
+        return 1.0 if attitude is None else float(rotation_from_quaternion(attitude)[2, 2])
 
 
 def height_of(kind: str, message: Any) -> float | None:

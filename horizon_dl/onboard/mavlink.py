@@ -137,13 +137,30 @@ class Link:
         return True
 
     def _new_codec(self, key: bytes | None, sign: bool) -> Any:
-        codec = self._dialect.MAVLink(None, srcSystem=self._system, srcComponent=OUR_COMPONENT)
+        codec = _careful(self._dialect)(None, srcSystem=self._system, srcComponent=OUR_COMPONENT)
         codec.robust_parsing = True
         if key is not None:
             codec.signing.secret_key = key
             codec.signing.sign_outgoing = sign
             codec.signing.timestamp = int((time.time() - SIGNING_EPOCH_S) * 1e5)
         return codec
+
+
+def _careful(dialect: Any) -> Any:
+    """pymavlink's codec, which keeps the time stamp of a message even if its signature is wrong.
+
+    A forged message from the future would then shut out the true sender; here its stamp is forgotten.
+    """
+
+    class Careful(dialect.MAVLink):  # type: ignore[misc]
+        def check_signature(self, msgbuf: bytearray, srcSystem: int, srcComponent: int) -> bool:  # noqa: N803
+            before = dict(self.signing.stream_timestamps)
+            good = bool(super().check_signature(msgbuf, srcSystem, srcComponent))
+            if not good:
+                self.signing.stream_timestamps = before
+            return good
+
+    return Careful
 
 
 def read_signing_key(path: Path) -> bytes:

@@ -110,8 +110,8 @@ class ObstacleModel:
             ValueError: another shape or type, or no unit vector.
         """
         feed = {"image": self._checked(image), "up_cam": unit_or_nan(up_cam)}
-        *maps, obstacles = self._session.run(OUTPUTS, feed)
-        return Outputs(*maps, obstacles=obstacles.astype(np.bool_))
+        maps = dict(zip(OUTPUTS, self._session.run(OUTPUTS, feed), strict=True))
+        return Outputs(**{**maps, "obstacles": maps["obstacles"].astype(np.bool_)})
 
     def _checked(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         wanted = (self.camera.height, self.camera.width, 3)

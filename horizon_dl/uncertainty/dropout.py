@@ -7,6 +7,8 @@ from torch import Tensor
 
 from horizon_dl.models.fcn import HorizonFCN, enlarge
 
+Map = NDArray[np.float32]
+
 
 def image_tensor(image: NDArray[np.uint8]) -> Tensor:
     """(1, 3, h, w) float in [0, 1] of an (h, w, 3) uint8 image."""
@@ -14,8 +16,8 @@ def image_tensor(image: NDArray[np.uint8]) -> Tensor:
 
 
 @torch.inference_mode()
-def sample_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """`p_above` of one image by each classifier under each mask, (depths * masks, h, w) in [0, 1].
+def sample_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> Map:
+    """`p_above` of one image under each of the net's dropout masks, (masks, h, w) in [0, 1].
 
     Source: Gal and Ghahramani, Dropout as a Bayesian approximation, ICML 2016.
     """
@@ -24,14 +26,21 @@ def sample_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> NDArray[np.floa
 
 
 @torch.inference_mode()
-def single_pass_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> NDArray[np.float32]:
+def single_pass_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> Map:
     """`p_above` of one image without dropout, (1, h, w) in [0, 1]."""
     net.eval()
-    p: NDArray[np.float32] = _probabilities(net(image_tensor(image)), image).mean(axis=0, keepdims=True)
-    return p
+    return _probabilities(net.deep.classifier(net.encode(image_tensor(image))), image)
 
 
-def _probabilities(logits: Tensor, image: NDArray[np.uint8]) -> NDArray[np.float32]:
+@torch.inference_mode()
+def p_above_of_all_depths(net: HorizonFCN, image: NDArray[np.uint8]) -> Map:
+    """Mean of the probabilities that the heads at all depths give, without dropout, (h, w) in [0, 1]."""
+    net.eval()
+    mean: Map = _probabilities(net(image_tensor(image)), image).mean(axis=0)
+    return mean
+
+
+def _probabilities(logits: Tensor, image: NDArray[np.uint8]) -> Map:
     height, width = image.shape[:2]
-    p: NDArray[np.float32] = enlarge(logits.sigmoid(), (height, width))[0].numpy()
+    p: Map = enlarge(logits.sigmoid(), (height, width))[0].numpy()
     return p

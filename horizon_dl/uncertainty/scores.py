@@ -11,7 +11,7 @@ Map = NDArray[np.float32]
 
 P_ABOVE = "p_above"
 FRAME_WEIGHT = 0.5
-PRIOR_WEIGHT = 1.0
+PRIOR_WEIGHT = 0.5
 
 
 def score_maps(view: View, p_above_samples: Map, single_pass: Map | None = None) -> dict[str, Map]:

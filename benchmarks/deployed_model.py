@@ -1,0 +1,248 @@
+"""The deployed uncertain map against everything it could be replaced by, side by side in one run.
+
+  python benchmarks/deployed_model.py [--out FILE] [--rounds N]
+
+All at 320x240 and one thread, on the same picture. In every round every candidate runs (the quick ones ten
+times, the slow ones once), so a load that comes and goes meets them all; medians and quartiles are over all
+runs. Weights are random: times do not depend on them, but for the forest, which is fitted.
+"""
+
+import argparse
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from depth_net import DepthNet
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from horizon_dl.config import Config
+from horizon_dl.export.graph import WholeWay
+from horizon_dl.export.onnx_file import graph_of
+from horizon_dl.export.parity import sample_frames
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.view import View, make_view
+from horizon_dl.models.build import build_net, parameter_count
+from horizon_dl.models.fcn import HorizonFCN, enlarge
+from horizon_dl.models.forest import HorizonForest
+from horizon_dl.onboard.benchmark import quartiles
+from horizon_dl.onboard.model import new_session
+from horizon_dl.output import write_json
+from horizon_dl.provenance import machine, versions
+from horizon_dl.uncertainty.dropout import image_tensor
+from horizon_dl.uncertainty.measures import measures
+
+CAMERA = Camera("pinhole", 320, 240, 250.0, 250.0, 159.5, 119.5)
+DEPTH_HEIGHT, DEPTH_WIDTH = 518, 686  # what Depth-Anything makes of 320x240: the shorter side 518
+SAMPLES, QUICK_RUNS = 16, 10
+THRESHOLD = 0.5
+WANTED = {
+    "single pass": ("at most", 1.1),
+    "net sampled 16 times, onnxruntime": ("at least", 25.0),
+    "net sampled 16 times, torch": ("at least", 25.0),
+    "forest": ("at least", 100.0),
+    "depth network": ("at least", 50.0),
+    "convolution bound": ("within", 2.0),
+}
+
+Job = Callable[[], object]
+Feed = dict[str, NDArray[Any]]
+
+
+class Naive(nn.Module):
+    """The whole net once a sample, as a batch: what sampling costs when dropout is not at the end."""
+
+    def __init__(self, net: HorizonFCN) -> None:
+        super().__init__()
+        self.net = net
+
+    def forward(self, image: Tensor) -> Tensor:
+        """(1, 1, h, w) mean probability of (1, 3, h, w)."""
+        p = self.net(image.expand(SAMPLES, -1, -1, -1)).sigmoid()
+        return enlarge(p, image.shape[-2:]).mean(dim=(0, 1), keepdim=True)
+
+
+def exported_job(module: nn.Module, inputs: tuple[Tensor, ...], names: list[str]) -> Job:
+    """A module through onnxruntime, one thread."""
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        path = Path(folder) / "model.onnx"
+        torch.onnx.export(module.eval(), inputs, path, dynamo=False, opset_version=18, input_names=names)
+        session = new_session(path.read_bytes(), 1)
+    feed = {name: value.numpy() for name, value in zip(names, inputs, strict=True)}
+    return lambda: session.run(None, feed)
+
+
+def whole_way_job(net: HorizonFCN, feed: Feed, *, sampled: bool) -> Job:
+    """Camera image to obstacle map, as it is deployed."""
+    module = WholeWay(net, CAMERA, CAMERA.width * CAMERA.height, THRESHOLD, sampled=sampled)
+    session = new_session(graph_of(module).SerializeToString(), 1)
+    return lambda: session.run(None, feed)
+
+
+def naive_torch(net: HorizonFCN, view: View) -> Job:
+    """Sixteen passes under random dropout, as most programs do it."""
+
+    def run() -> object:
+        image = image_tensor(view.image)
+        with torch.inference_mode():
+            passes = [enlarge(net(image).sigmoid(), view.image.shape[:2]).mean(dim=1) for _ in range(SAMPLES)]
+        return measures(torch.cat(passes).numpy(), view.elevation > 0)
+
+    net.eval()
+    net.dropout.train()
+    return run
+
+
+def forest_job(views: list[View]) -> Job:
+    """Features and trees of the paper's forest, one thread."""
+    forest = HorizonForest.fit(views, seed=0, n_jobs=1)
+    above = views[0].elevation > 0
+    return lambda: measures(forest.p_above_samples(views[0]), above)
+
+
+def multiply_adds(net: HorizonFCN) -> int:
+    """Of one image of the camera's size, in the net's convolutions and the sampled last layer."""
+    total = 0
+
+    def count(layer: nn.Module, _: Any, output: Tensor) -> None:
+        nonlocal total
+        if isinstance(layer, nn.Conv2d):
+            kernel = layer.kernel_size[0] * layer.kernel_size[1]
+            total += output.numel() * kernel * layer.in_channels // layer.groups
+
+    hooks = [layer.register_forward_hook(count) for layer in net.modules()]
+    with torch.inference_mode():
+        features = net.encode(torch.zeros(1, 3, CAMERA.height, CAMERA.width))
+        logits = net.sample_logits(features)
+    for hook in hooks:
+        hook.remove()
+    return total + logits.numel() * features.shape[1] // max(1, len(getattr(net, "necks", [0])))
+
+
+def convolution_rate(seconds: float = 0.4) -> float:
+    """The best rate of multiply-adds a second that any of a few usual convolutions reaches, one thread."""
+    best = 0.0
+    for channels, rows, columns in ((32, 60, 80), (64, 60, 80), (128, 30, 40), (64, 120, 160)):
+        layer = nn.Conv2d(channels, channels, 3, padding=1)
+        stack = nn.Sequential(layer, nn.ReLU(), layer, nn.ReLU(), layer)
+        job = exported_job(stack, (torch.rand(1, channels, rows, columns),), ["maps"])
+        work = 3 * 9 * channels * channels * rows * columns
+        end, shortest = time.perf_counter() + seconds, float("inf")
+        while time.perf_counter() < end:
+            start = time.perf_counter()
+            job()
+            shortest = min(shortest, time.perf_counter() - start)
+        best = max(best, work / shortest)
+    return best
+
+
+def fresh_net(views: list[View]) -> HorizonFCN:
+    """Default net, batch norm set by the pictures."""
+    torch.manual_seed(0)
+    net = build_net(Config().model).train()
+    with torch.no_grad():
+        for view in views * 3:
+            net(image_tensor(view.image))
+    return net.eval()
+
+
+def rounds_of(quick: dict[str, Job], slow: dict[str, Job], rounds: int) -> dict[str, list[float]]:
+    """Milliseconds of every run."""
+    times: dict[str, list[float]] = {name: [] for name in (*quick, *slow)}
+    for number in range(rounds + 1):  # the first round warms up
+        for _ in range(QUICK_RUNS):
+            for name, job in quick.items():
+                _time(job, times[name], number > 0)
+        for name, job in slow.items():
+            _time(job, times[name], number > 0)
+    return times
+
+
+def _time(job: Job, times: list[float], counts: bool) -> None:
+    start = time.perf_counter()
+    job()
+    if counts:
+        times.append(1e3 * (time.perf_counter() - start))
+
+
+def run(rounds: int) -> dict[str, Any]:
+    """All figures, ready for JSON."""
+    torch.set_num_threads(1)
+    frames = sample_frames(CAMERA, 4)
+    views = [make_view(frame, CAMERA.width * CAMERA.height) for frame in frames]
+    net = fresh_net(views)
+    assert frames[0].up_cam is not None
+    feed = {"image": frames[0].image[None], "up_cam": frames[0].up_cam.astype(np.float32)}
+    picture = image_tensor(views[0].image)
+    depth_input = torch.rand(1, 3, DEPTH_HEIGHT, DEPTH_WIDTH)
+    quick = {
+        "uncertain map": whole_way_job(net, feed, sampled=True),
+        "single pass": whole_way_job(net, feed, sampled=False),
+    }
+    slow = {
+        "net sampled 16 times, onnxruntime": exported_job(Naive(net), (picture,), ["image"]),
+        "forest": forest_job(views),
+        "depth network": exported_job(DepthNet(DEPTH_HEIGHT, DEPTH_WIDTH), (depth_input,), ["image"]),
+    }
+    work, rate = multiply_adds(net), convolution_rate()
+    slow["net sampled 16 times, torch"] = naive_torch(net, views[0])
+    times = rounds_of(quick, slow, rounds)
+    rate = max(rate, convolution_rate())
+    found: dict[str, Any] = {name: quartiles(one) for name, one in times.items()}
+    bound = 1e3 * work / rate
+    found["convolution bound"] = {"median_ms": bound, "q1_ms": bound, "q3_ms": bound}
+    return {
+        "schema": 1,
+        "image_size": [CAMERA.width, CAMERA.height],
+        "depth_network_input": [DEPTH_WIDTH, DEPTH_HEIGHT],
+        "threads": 1,
+        "rounds": rounds,
+        "machine": machine(),
+        "versions": versions(),
+        "net": {"parameters": parameter_count(net), "multiply_adds": work},
+        "best_convolution_rate_per_s": rate,
+        "times": found,
+        "ratios": {name: ratio(found, name) for name in WANTED},
+    }
+
+
+def ratio(found: dict[str, Any], name: str) -> dict[str, Any]:
+    """How many times the uncertain map another candidate takes, or the uncertain map that, and what is wanted."""
+    ours, theirs = found["uncertain map"]["median_ms"], found[name]["median_ms"]
+    how, limit = WANTED[name]
+    value = theirs / ours if how == "at least" else ours / theirs
+    return {
+        "ratio": value,
+        "wanted": f"{how} {limit:g}",
+        "met": value >= limit if how == "at least" else value <= limit,
+    }
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--out", type=Path, metavar="FILE")
+    parser.add_argument("--rounds", type=int, default=8)
+    options = parser.parse_args()
+    figures = run(options.rounds)
+    print(f"{figures['machine']['processor']}, 320x240, one thread, milliseconds")
+    for name, one in figures["times"].items():
+        line = f"{name:36} {one['median_ms']:9.2f}  ({one['q1_ms']:.2f}-{one['q3_ms']:.2f})"
+        if name in figures["ratios"]:
+            against = figures["ratios"][name]
+            line += f"  ratio {against['ratio']:7.2f}, wanted {against['wanted']}"
+        print(line)
+    if options.out:
+        write_json(options.out, figures)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,203 @@
+"""The onboard loop: a camera, a video or a recorded set in, MAVLink OBSTACLE_DISTANCE out.
+
+  horizon-dl fly MODEL.onnx --source camera:0 --camera camera.yaml --mavlink serial:/dev/ttyAMA0:921600
+  horizon-dl fly MODEL.onnx --source DATA --mavlink udpout:127.0.0.1:14550      replays in real time
+
+Attitude comes from the autopilot (ATTITUDE_QUATERNION or ATTITUDE), or as recorded from a data set; height
+from DISTANCE_SENSOR, GLOBAL_POSITION_INT or LOCAL_POSITION_NED, or --height. Without height nothing is
+measured in metres, and every sector with an obstacle is unknown. Ctrl-C ends the flight and tells the
+autopilot so.
+"""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from horizon_dl.cli.options import positive_int
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from horizon_dl.frames.frame import Recording
+    from horizon_dl.geometry.calibration import Calibration
+    from horizon_dl.onboard.fly import FlySettings
+    from horizon_dl.onboard.pictures import Picture
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the verb."""
+    parser.add_argument("model", type=Path, metavar="MODEL", help="what `export` wrote")
+    parser.add_argument(
+        "--source",
+        required=True,
+        metavar="S",
+        help="camera:0, a video file, a stream's address, or a data set",
+    )
+    parser.add_argument("--format", metavar="NAME", help="format of a data set (recognised if left out)")
+    parser.add_argument(
+        "--mavlink",
+        required=True,
+        metavar="URL",
+        help="udpout:HOST:PORT, udpin:HOST:PORT or serial:DEVICE:BAUD",
+    )
+    parser.add_argument(
+        "--attitude",
+        choices=("autopilot", "recorded"),
+        help="(default: recorded for a data set, else autopilot)",
+    )
+    parser.add_argument(
+        "--camera", type=Path, metavar="FILE", help="camera.yaml: mount, and how to turn images"
+    )
+    parser.add_argument(
+        "--height",
+        type=float,
+        metavar="M",
+        help="fixed height of the camera over the floor (default: measured)",
+    )
+    parser.add_argument(
+        "--rate", type=float, default=20.0, metavar="HZ", help="messages a second (default: 20)"
+    )
+    parser.add_argument("--min-distance", type=float, default=0.2, metavar="M", help="(default: 0.2)")
+    parser.add_argument("--max-distance", type=float, default=10.0, metavar="M", help="(default: 10)")
+    parser.add_argument(
+        "--filter", type=positive_int, default=3, metavar="N", help="frames joined (default: 3)"
+    )
+    parser.add_argument(
+        "--connected-only",
+        action="store_true",
+        help="only obstacles that reach the horizon: no mats, no paint",
+    )
+    parser.add_argument(
+        "--system", type=positive_int, default=1, metavar="ID", help="of the vehicle (default: 1)"
+    )
+    parser.add_argument(
+        "--signing-key", type=Path, metavar="FILE", help="MAVLink 2 signing: key or pass phrase"
+    )
+    parser.add_argument(
+        "--threads", type=positive_int, default=1, metavar="N", help="of the model (default: 1)"
+    )
+    parser.add_argument("--duration", type=float, metavar="S", help="end after this time")
+    parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="of a replay (default: 1)")
+    parser.add_argument("--loop", action="store_true", help="replay again and again")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="write the flight's figures as JSON")
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Fly until the source ends, the time is over, or Ctrl-C; then print the figures."""
+    import time
+
+    from horizon_dl.onboard.fly import Fly
+    from horizon_dl.onboard.mavlink import Link, read_signing_key
+    from horizon_dl.onboard.model import ObstacleModel
+    from horizon_dl.onboard.sighting import Sighting
+    from horizon_dl.onboard.transport import open_transport
+    from horizon_dl.output import write_json
+
+    recording = _recording(arguments)
+    calibration = _calibration(arguments, recording)
+    settings = _settings(arguments, calibration, recording)
+    model = ObstacleModel.load(arguments.model, arguments.threads)
+    if recording is not None:
+        from horizon_dl.onboard.predict import check_camera
+
+        check_camera(model, recording)
+    sighting = Sighting.of(model, settings.mount_rpy_rad, arguments.filter)
+    sighting.connected_only = arguments.connected_only
+    key = None if arguments.signing_key is None else read_signing_key(arguments.signing_key)
+    link = Link(open_transport(arguments.mavlink), arguments.system, key)
+    flight = Fly(sighting, link, settings, time.monotonic)
+    try:
+        flight.run(_pictures(arguments, recording, calibration), arguments.duration)
+    except KeyboardInterrupt:
+        pass  # the ordinary end of a flight
+    finally:
+        link.close()
+    figures = flight.summary()
+    if arguments.out:
+        write_json(arguments.out, figures)
+    _say(figures)
+
+
+def _recording(arguments: argparse.Namespace) -> "Recording | None":
+    from horizon_dl.frames.formats import open_recording
+
+    return (
+        open_recording(Path(arguments.source), arguments.format) if Path(arguments.source).is_dir() else None
+    )
+
+
+def _calibration(arguments: argparse.Namespace, recording: "Recording | None") -> "Calibration | None":
+    """Of --camera, or of the data set where it has one."""
+    from horizon_dl.geometry.calibration import read_calibration
+
+    path = arguments.camera
+    if path is None and recording is not None:
+        path = Path(arguments.source) / "camera.yaml"
+        path = path if path.is_file() else None
+    return None if path is None else read_calibration(path)
+
+
+def _settings(
+    arguments: argparse.Namespace, calibration: "Calibration | None", recording: "Recording | None"
+) -> "FlySettings":
+    from horizon_dl.errors import InputError
+    from horizon_dl.onboard.fly import FlySettings
+    from horizon_dl.onboard.obstacle_distance import MessageShape
+
+    attitude = arguments.attitude or ("autopilot" if recording is None else "recorded")
+    if attitude == "recorded" and recording is None:
+        raise InputError(
+            "--attitude recorded", "needs a data set", "take the autopilot's, or name a data set"
+        )
+    if calibration is None and attitude == "autopilot":
+        raise InputError(
+            "--camera", "is missing", "name the camera.yaml that tells how the camera is mounted"
+        )
+    if not 10 <= arguments.rate <= 100:
+        raise InputError(f"--rate {arguments.rate:g}", "is not from 10 to 100", "autopilots need 10 a second")
+    if arguments.filter % 2 == 0:
+        raise InputError(
+            f"--filter {arguments.filter}", "is even, a median needs an odd number", "take 1, 3 or 5"
+        )
+    if not arguments.speed > 0:
+        raise InputError(f"--speed {arguments.speed:g}", "is not positive", "take 1 for real time")
+    try:
+        shape = MessageShape(
+            min_cm=round(arguments.min_distance * 100), max_cm=round(arguments.max_distance * 100)
+        )
+    except (ValueError, OverflowError):
+        raise InputError(
+            "--min-distance, --max-distance", "make no interval", "take for example 0.2 and 10"
+        ) from None
+    if arguments.height is not None and not 0 < arguments.height < 1000:
+        raise InputError(f"--height {arguments.height:g}", "is no height in metres", "take 0 to 1000")
+    return FlySettings(
+        rate_hz=arguments.rate,
+        shape=shape,
+        mount_rpy_rad=(0.0, 0.0, 0.0) if calibration is None else calibration.mount_rpy_rad,
+        recorded_attitude=attitude == "recorded",
+        height_m=arguments.height,
+    )
+
+
+def _pictures(
+    arguments: argparse.Namespace, recording: "Recording | None", calibration: "Calibration | None"
+) -> "Iterator[Picture]":
+    import time
+
+    from horizon_dl.onboard.pictures import capture, replay
+
+    if recording is not None:
+        return replay(recording, time.monotonic, speed=arguments.speed, loop=arguments.loop)
+    turns = 0 if calibration is None else calibration.rotate_quarter_turns_ccw
+    return capture(arguments.source, time.monotonic, rotate_quarter_turns_ccw=turns)
+
+
+def _say(figures: dict[str, dict[str, float]]) -> None:
+    messages, latency, pictures = figures["messages"], figures["latency"], figures["pictures"]
+    print(f"looked at {pictures['looked_at']} pictures, sent {messages['sent']} messages", end="")
+    print(f" ({messages['unknown']} of them unknown, {messages['unsent']} did not leave)")
+    if latency["count"]:
+        print(
+            f"from image to message: median {latency['median_ms']:.0f} ms, 99 % in {latency['p99_ms']:.0f} ms"
+        )

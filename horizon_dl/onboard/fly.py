@@ -1,0 +1,213 @@
+"""The onboard loop: pictures in, obstacle distances out, on a fixed timer, with a watchdog.
+
+Four threads: pictures, the autopilot's messages, the model (the caller's), and the timer that sends. The
+timer sends in any case; whenever the watchdog is not content it sends "unknown".
+"""
+
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation, up_in_camera
+from horizon_dl.obstacles.ranging import FreeDistances
+from horizon_dl.onboard.autopilot import Autopilot
+from horizon_dl.onboard.latency import Latencies
+from horizon_dl.onboard.mavlink import INFO, WARNING, Link
+from horizon_dl.onboard.obstacle_distance import MessageShape, distances_cm
+from horizon_dl.onboard.pictures import LatestPicture, Picture
+from horizon_dl.onboard.sighting import Sighting
+from horizon_dl.onboard.watchdog import Clock, Watchdog
+
+ATTITUDE_WAIT_S = 0.05
+HEARTBEAT_S = 1.0
+
+
+@dataclass(frozen=True)
+class FlySettings:
+    """How the loop runs.
+
+    Attributes:
+        rate_hz: of OBSTACLE_DISTANCE.
+        shape: of the message.
+        mount_rpy_rad: of the camera in the body.
+        recorded_attitude: take attitude and height from the pictures, not from the autopilot.
+        height_m: fixed height of the camera, or None.
+    """
+
+    rate_hz: float = 20.0
+    shape: MessageShape = field(default_factory=MessageShape)
+    mount_rpy_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    recorded_attitude: bool = False
+    height_m: float | None = None
+
+
+@dataclass(frozen=True)
+class _Sighted:
+    time_s: float
+    found: FreeDistances | None
+
+
+class Fly:
+    """One flight.
+
+    Attributes:
+        watchdog: of this flight.
+        autopilot: what its messages told.
+        latencies: from the picture's time to its first message.
+        periods: between messages.
+        sent: messages that have left; `unsent` could not.
+        unknown: messages that said "unknown" because of the watchdog.
+    """
+
+    def __init__(
+        self, sighting: Sighting, link: Link, settings: FlySettings, clock: Clock = time.monotonic
+    ) -> None:
+        self.watchdog = Watchdog(clock)
+        self.autopilot = Autopilot(self.watchdog)
+        self.latencies, self.periods = Latencies(), Latencies()
+        self.sent = self.unsent = self.unknown = self.looked_at = 0
+        self._sighting, self._link, self._settings, self._clock = sighting, link, settings, clock
+        self._newest = _Sighted(-np.inf, None)
+        self._reported_s = -np.inf
+        self._stop = threading.Event()
+
+    def run(self, pictures: Iterator[Picture], duration_s: float | None = None) -> None:
+        """Fly until the pictures end, the time is over, or `stop` is called; the last message is "unknown".
+
+        Raises:
+            Exception: whatever ended the pictures, such as InputError for a camera that is not there.
+        """
+        slot = LatestPicture(pictures, self.watchdog.camera)
+        threads = [
+            threading.Thread(target=target, name=name, daemon=True)
+            for target, name in ((self._listen, "autopilot"), (self._report, "timer"))
+        ]
+        end_s = np.inf if duration_s is None else self._clock() + duration_s
+        for thread in threads:
+            thread.start()
+        slot.start()
+        try:
+            while not (self._stop.is_set() or self._clock() >= end_s):
+                picture = slot.take(0.1)
+                if picture is not None:
+                    self.look(picture)
+                elif slot.ended:
+                    break
+        finally:
+            self._stop.set()
+            for thread in threads:
+                thread.join(2.0)
+            slot.stop()
+            self._link.send_distances(
+                self._clock(), distances_cm(None, self._settings.shape), self._settings.shape
+            )
+            self._link.send_text("Obstacles unknown: stopped", WARNING)
+        self.pictures_seen, self.pictures_skipped = slot.seen, slot.skipped
+        if slot.error is not None:
+            raise slot.error
+
+    def stop(self) -> None:
+        """End the flight soon; from any thread."""
+        self._stop.set()
+
+    def look(self, picture: Picture) -> None:
+        """One picture to sectors; an error of the model is the watchdog's, not the loop's."""
+        pose = self._pose(picture)
+        if pose is None:
+            self._newest = _Sighted(picture.time_s, None)
+            return
+        up_cam, yaw_rad, height_m = pose
+        try:
+            found = self._sighting.look(picture.time_s, picture.image, up_cam, yaw_rad, height_m)
+        except Exception as error:  # onnxruntime raises kinds of its own; flying on blind would be worse
+            self.watchdog.model_failed(type(error).__name__)
+            self._newest = _Sighted(picture.time_s, None)
+            return
+        self.looked_at += 1
+        self._newest = _Sighted(picture.time_s, found)
+        self.watchdog.result(picture.time_s)
+
+    def message_cm(self) -> NDArray[np.uint16]:
+        """(72,) what is to be sent now."""
+        newest = self._newest
+        if self.watchdog.troubles():
+            self.unknown += 1
+            return distances_cm(None, self._settings.shape)
+        return distances_cm(newest.found, self._settings.shape)
+
+    def summary(self) -> dict[str, Any]:
+        """Figures of the flight so far, ready for JSON."""
+        return {
+            "messages": {"sent": self.sent, "unsent": self.unsent, "unknown": self.unknown},
+            "latency": self.latencies.summary(),
+            "period": self.periods.summary(),
+            "pictures": {
+                "seen": getattr(self, "pictures_seen", None),
+                "skipped": getattr(self, "pictures_skipped", None),
+                "looked_at": self.looked_at,
+            },
+            "filter_delay_s": self._sighting.filter.delay_s,
+            "received": dict(self._link.counts),
+            "heartbeats": self.autopilot.heartbeats,
+        }
+
+    def _pose(self, picture: Picture) -> tuple[NDArray[np.float64], float, float | None] | None:
+        """`up_cam`, yaw and height at the picture's time; None where the attitude is not known."""
+        fixed_m = self._settings.height_m
+        if self._settings.recorded_attitude:
+            if picture.up_cam is None:
+                return None
+            self.watchdog.attitude()
+            return picture.up_cam, 0.0, picture.height_m if fixed_m is None else fixed_m
+        attitude = self._attitude_at(picture.time_s)
+        if attitude is None:
+            return None
+        yaw_rad = rpy_from_rotation(rotation_from_quaternion(attitude))[2]
+        height_m = self.autopilot.buffer.height_at(picture.time_s) if fixed_m is None else fixed_m
+        return up_in_camera(attitude, self._settings.mount_rpy_rad), yaw_rad, height_m
+
+    def _attitude_at(self, time_s: float) -> NDArray[np.float64] | None:
+        """Interpolated; the next message is waited for shortly, then the newest one is taken."""
+        end_s = self._clock() + ATTITUDE_WAIT_S
+        while self.autopilot.buffer.newest_s < time_s and self._clock() < end_s and not self._stop.is_set():
+            time.sleep(0.002)
+        return self.autopilot.buffer.at(time_s, max_ahead_s=ATTITUDE_WAIT_S)
+
+    def _listen(self) -> None:
+        while not self._stop.is_set():
+            for message in self._link.receive(0.1):
+                self.autopilot.take(message, self._clock())
+
+    def _report(self) -> None:
+        period_s = 1.0 / self._settings.rate_hz
+        due_s = self._clock()
+        heartbeat_s = last_s = -np.inf
+        while not self._stop.is_set():
+            now = self._clock()
+            if now - heartbeat_s >= HEARTBEAT_S:
+                self._link.send_heartbeat()
+                heartbeat_s = now
+            self._send(last_s)
+            last_s = now
+            due_s = max(due_s + period_s, now)
+            self._stop.wait(max(0.0, due_s - self._clock()))
+
+    def _send(self, last_s: float) -> None:
+        newest = self._newest
+        cm, now = self.message_cm(), self._clock()
+        has_left = self._link.send_distances(newest.time_s if newest.found else now, cm, self._settings.shape)
+        self.sent += has_left
+        self.unsent += not has_left
+        if np.isfinite(last_s):
+            self.periods.add(now - last_s)
+        if newest.found is not None and newest.time_s > self._reported_s:
+            self.latencies.add(self._clock() - newest.time_s)
+            self._reported_s = newest.time_s
+        line = self.watchdog.to_say()
+        if line is not None:
+            self._link.send_text(line, WARNING if self.watchdog.troubles() else INFO)

@@ -1,0 +1,166 @@
+"""Pictures for the onboard loop: a camera, a video, or a recorded set replayed in real time.
+
+Times are those of the caller's clock. The newest picture wins: a slow model skips pictures and never lags
+behind.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.errors import FrameError, InputError
+from horizon_dl.frames.frame import Recording
+from horizon_dl.frames.loading import load_frame
+
+Clock = Callable[[], float]
+
+CAMERA_PREFIX = "camera:"
+
+
+@dataclass(frozen=True)
+class Picture:
+    """One picture to be looked at.
+
+    Attributes:
+        time_s: when it was taken, by the caller's clock.
+        image: (H, W, 3) uint8 RGB, upright.
+        up_cam: (3,) as recorded, or None: the autopilot's attitude is asked for.
+        height_m: as recorded, or None.
+    """
+
+    time_s: float
+    image: NDArray[np.uint8]
+    up_cam: NDArray[np.float64] | None = None
+    height_m: float | None = None
+
+
+def replay(
+    recording: Recording,
+    clock: Clock,
+    *,
+    speed: float = 1.0,
+    loop: bool = False,
+    wait: Callable[[float], object] = time.sleep,
+) -> Iterator[Picture]:
+    """The frames of a set at the times at which they were taken; those that cannot be read are left out.
+
+    Args:
+        recording: with attitudes, and heights if distances are wanted.
+        clock: monotonic seconds.
+        speed: 2 plays twice as fast.
+        loop: begin again at the end; the time of one frame passes between.
+        wait: sleeps for some seconds.
+    """
+    times = [entry.time_s for entry in recording.entries]
+    gap_s = float(np.median(np.diff(times))) if len(times) > 1 else 0.1
+    start_s = clock()
+    while True:
+        for index, taken_s in enumerate(times):
+            try:
+                frame = load_frame(recording, index)
+            except FrameError:
+                continue
+            due_s = start_s + (taken_s - times[0]) / speed
+            wait(max(0.0, due_s - clock()))
+            # A disk that is too slow is a slow camera, not an old picture.
+            yield Picture(max(due_s, clock()), frame.image, frame.up_cam, frame.height_m)
+        if not loop:
+            return
+        start_s += (times[-1] - times[0] + gap_s) / speed
+
+
+def capture(
+    source: str,
+    clock: Clock,
+    *,
+    rotate_quarter_turns_ccw: int = 0,
+    wait: Callable[[float], object] = time.sleep,
+) -> Iterator[Picture]:
+    """Pictures of a camera (`camera:0`), a stream's address, or a video file at its own rate, by OpenCV.
+
+    Raises:
+        InputError: OpenCV cannot open it.
+    """
+    import cv2
+
+    live = source.startswith(CAMERA_PREFIX)
+    device: Any = source.removeprefix(CAMERA_PREFIX) if live else source
+    opened = cv2.VideoCapture(int(device) if live and device.isdigit() else device)
+    if not opened.isOpened():
+        raise InputError(
+            f"--source {source}", "cannot be opened", "give camera:0, a video file or a data set"
+        )
+    period_s = 0.0 if live or not Path(source).is_file() else 1.0 / (opened.get(cv2.CAP_PROP_FPS) or 30.0)
+    due_s = clock()
+    try:
+        while True:
+            good, image = opened.read()
+            if not good:
+                return
+            wait(max(0.0, due_s - clock()))
+            due_s += period_s
+            rgb = np.rot90(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), rotate_quarter_turns_ccw)
+            yield Picture(clock(), np.ascontiguousarray(rgb))
+    finally:
+        opened.release()
+
+
+class LatestPicture:
+    """A slot for one picture, filled by a thread; what is not taken in time is overwritten and counted.
+
+    Attributes:
+        ended: the source has no more.
+        error: why the source ended, or None.
+        seen: pictures that came.
+        skipped: pictures that were overwritten.
+    """
+
+    def __init__(self, pictures: Iterator[Picture], on_picture: Callable[[], None]) -> None:
+        self.ended = False
+        self.error: Exception | None = None
+        self.seen = self.skipped = 0
+        self._pictures = pictures
+        self._on_picture = on_picture
+        self._slot: Picture | None = None
+        self._filled = threading.Condition()
+        self._stopped = False
+        self._thread = threading.Thread(target=self._fill, name="pictures", daemon=True)
+
+    def start(self) -> None:
+        """Begin to read."""
+        self._thread.start()
+
+    def take(self, timeout_s: float) -> Picture | None:
+        """The newest picture not taken before, or None after the timeout."""
+        with self._filled:
+            self._filled.wait_for(lambda: self._slot is not None or self.ended, timeout_s)
+            picture, self._slot = self._slot, None
+            return picture
+
+    def stop(self) -> None:
+        """Read no more."""
+        self._stopped = True
+        self._thread.join(1.0)
+
+    def _fill(self) -> None:
+        try:
+            for picture in self._pictures:
+                if self._stopped:
+                    break
+                self._on_picture()
+                with self._filled:
+                    self.seen += 1
+                    self.skipped += self._slot is not None
+                    self._slot = picture
+                    self._filled.notify()
+        except Exception as error:  # whatever a camera's driver raises: the loop has to learn of it
+            self.error = error
+        with self._filled:
+            self.ended = True
+            self._filled.notify()

@@ -1,0 +1,507 @@
+"""The onboard loop: messages, links, hostile bytes, slow, fast and stalled cameras, on loopback only."""
+
+import math
+import os
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import ArrayLike, NDArray
+
+os.environ["MAVLINK20"] = "1"
+common: Any = pytest.importorskip("pymavlink.dialects.v20.common")
+
+from horizon_dl.errors import InputError  # noqa: E402
+from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera  # noqa: E402
+from horizon_dl.geometry.camera import Camera  # noqa: E402
+from horizon_dl.geometry.horizon import elevation  # noqa: E402
+from horizon_dl.geometry.rays import camera_rays  # noqa: E402
+from horizon_dl.onboard.autopilot import Autopilot, height_of  # noqa: E402
+from horizon_dl.onboard.fly import Fly, FlySettings  # noqa: E402
+from horizon_dl.onboard.latency import Latencies  # noqa: E402
+from horizon_dl.onboard.mavlink import Link, read_signing_key  # noqa: E402
+from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM, MessageShape, distances_cm  # noqa: E402
+from horizon_dl.onboard.pictures import LatestPicture, Picture  # noqa: E402
+from horizon_dl.onboard.sighting import Sighting, bearings_for, forward_in_camera, model_rays  # noqa: E402
+from horizon_dl.onboard.transport import UdpIn, UdpOut, open_transport  # noqa: E402
+from horizon_dl.onboard.watchdog import Watchdog  # noqa: E402
+
+CAMERA = Camera("pinhole", 80, 60, 60.0, 60.0, 39.5, 29.5)
+MOUNT = (0.0, math.radians(-15), 0.0)
+LEVEL = quaternion_from_rpy(0.0, 0.0, 0.0)
+WALL_M, HEIGHT_M = 3.0, 1.0
+KEY = bytes(range(32))
+
+
+class WallModel:
+    """A model that sees a round wall at 3 m, wherever the attitude says that it is."""
+
+    camera = CAMERA
+    threshold = 0.5
+
+    def __init__(self) -> None:
+        self.fails = False
+        self.takes_s = 0.0
+
+    def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Any:
+        time.sleep(self.takes_s)
+        if self.fails:
+            raise RuntimeError("no luck")
+        assert image.shape == (60, 80, 3)
+        assert up_cam is not None
+        above = elevation(camera_rays(CAMERA).directions, up_cam)
+        p_above = np.where(above > -math.atan(HEIGHT_M / WALL_M), 0.4, 0.03).astype(np.float32)
+        return SimpleNamespace(p_above=p_above, elevation=above)
+
+
+class Line:
+    """A transport in memory."""
+
+    whole_messages = True
+
+    def __init__(self) -> None:
+        self.incoming: list[bytes] = []
+        self.sent: list[bytes] = []
+
+    def receive(self, timeout_s: float) -> tuple[bytes, None]:
+        if not self.incoming:
+            time.sleep(min(timeout_s, 0.002))
+            return b"", None
+        return self.incoming.pop(0), None
+
+    def accept(self, peer: object) -> bool:
+        return True
+
+    def send(self, content: bytes) -> bool:
+        self.sent.append(content)
+        return True
+
+    def close(self) -> None:
+        pass
+
+
+def codec(system: int = 1, component: int = 1, key: bytes | None = None) -> Any:
+    mav = common.MAVLink(None, srcSystem=system, srcComponent=component)
+    if key:
+        mav.signing.secret_key, mav.signing.sign_outgoing = key, True
+        mav.signing.timestamp = int((time.time() - 1420070400) * 1e5)
+    return mav
+
+
+def attitude(mav: Any, time_s: float, q: ArrayLike = LEVEL) -> bytes:
+    w, x, y, z = np.asarray(q).tolist()
+    return bytes(common.MAVLink_attitude_quaternion_message(int(time_s * 1e3), w, x, y, z, 0, 0, 0).pack(mav))
+
+
+def rangefinder(mav: Any, metres: float, orientation: int = 25) -> bytes:
+    message = common.MAVLink_distance_sensor_message(0, 10, 4000, int(metres * 100), 0, 0, orientation, 0)
+    return bytes(message.pack(mav))
+
+
+def decoded(sent: list[bytes], kind: str = "OBSTACLE_DISTANCE") -> list[Any]:
+    parser = common.MAVLink(None)
+    messages = [message for content in sent for message in parser.parse_buffer(content) or []]
+    return [message for message in messages if message.get_type() == kind]
+
+
+def pictures(count: int, period_s: float = 0.02) -> Iterator[Picture]:
+    up = up_in_camera(LEVEL, MOUNT)
+    for _ in range(count):
+        time.sleep(period_s)
+        yield Picture(time.monotonic(), np.zeros((60, 80, 3), np.uint8), up, HEIGHT_M)
+
+
+def sighting(model: WallModel | None = None) -> Sighting:
+    return Sighting.of(model or WallModel(), MOUNT)
+
+
+def test_rays_come_out_of_the_model_itself() -> None:
+    rays, expected = model_rays(WallModel()), camera_rays(CAMERA).directions
+    np.testing.assert_allclose(rays, expected, atol=2e-4)
+
+
+def test_the_bodys_forward_axis_and_the_sectors_that_hold_the_view() -> None:
+    np.testing.assert_allclose(forward_in_camera((0, 0, 0)), [0, 0, 1], atol=1e-12)
+    # A camera that looks 90 degrees to the right has the body's forward axis on its left.
+    np.testing.assert_allclose(forward_in_camera((0, 0, math.pi / 2)), [-1, 0, 0], atol=1e-12)
+    bearings = bearings_for(model_rays(WallModel()), (0.0, 0.0, 1.0))
+    assert bearings.count % 2 == 0
+    half_view = math.atan(39.5 / 60)
+    assert half_view <= bearings.count / 2 * bearings.step_rad < half_view + math.radians(1.5)
+
+
+def test_a_recorded_flight_sends_the_wall(tmp_path: Path) -> None:
+    line = Line()
+    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    fly.run(pictures(25))
+    messages = decoded(line.sent)
+    assert len(messages) >= 15
+    first = messages[0]
+    assert (first.frame, first.increment_f, first.angle_offset) == (12, 5.0, 0.0)
+    assert (first.min_distance, first.max_distance, first.increment) == (20, 1000, 5)
+    assert set(messages[0].distances) == {UNKNOWN_CM}  # nothing was known yet
+    middle = messages[len(messages) // 2].distances
+    np.testing.assert_allclose([middle[i] for i in (70, 71, 0, 1, 2)], WALL_M * 100, rtol=0.08)
+    assert set(middle[8:65]) == {UNKNOWN_CM}
+    assert set(messages[-1].distances) == {UNKNOWN_CM}
+    texts = [message.text for message in decoded(line.sent, "STATUSTEXT")]
+    assert texts[-1] == "Obstacles unknown: stopped"
+    assert "Obstacles: recovered" in texts
+    assert len(decoded(line.sent, "HEARTBEAT")) == 1
+    summary = fly.summary()
+    assert summary["messages"]["unsent"] == 0
+    assert summary["latency"]["p99_ms"] < 200
+
+
+@pytest.mark.parametrize("stalled", ["camera", "attitude", "model"])
+def test_a_stall_is_unknown_within_half_a_second_and_recovers(stalled: str) -> None:
+    line, model = Line(), WallModel()
+    flying = Fly(sighting(model), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT))
+    broken = threading.Event()
+    mav = codec()
+
+    def feed() -> None:
+        while not flying._stop.is_set():
+            if not (broken.is_set() and stalled == "attitude"):
+                line.incoming += [attitude(mav, time.monotonic()), rangefinder(mav, HEIGHT_M)]
+            time.sleep(0.01)
+
+    def see() -> Iterator[Picture]:
+        for picture in pictures(1000):
+            if flying._stop.is_set():
+                return
+            if not (broken.is_set() and stalled == "camera"):
+                yield Picture(picture.time_s, picture.image)
+
+    def known() -> bool:
+        # The body is not tilted, so the range finder's height is the camera's.
+        return decoded(line.sent[-10:])[-1].distances[0] != UNKNOWN_CM
+
+    threading.Thread(target=feed, daemon=True).start()
+    runner = threading.Thread(target=flying.run, args=(see(),), daemon=True)
+    runner.start()
+    wait_for(lambda: len(decoded(line.sent[-10:])) > 3 and known())
+    broken.set()
+    model.fails = stalled == "model"
+    wait_for(lambda: not known(), 0.6)
+    time.sleep(0.5)
+    assert not known()
+    broken.clear()
+    model.fails = False
+    wait_for(known)
+    flying.stop()
+    runner.join(3)
+    texts = " | ".join(message.text for message in decoded(line.sent, "STATUSTEXT"))
+    assert {"model": "model failed: Runt", "camera": "camera stale", "attitude": "attitude stale"}[stalled][
+        :12
+    ] in texts
+    assert texts.count("recovered") >= 2
+
+
+def wait_for(condition: Any, timeout_s: float = 3.0) -> None:
+    end = time.monotonic() + timeout_s
+    while not condition():
+        assert time.monotonic() < end, "did not happen in time"
+        time.sleep(0.005)
+
+
+@pytest.mark.parametrize(("period_s", "takes_s"), [(0.002, 0.03), (0.15, 0.0)])
+def test_fast_and_slow_cameras(period_s: float, takes_s: float) -> None:
+    line, model = Line(), WallModel()
+    model.takes_s = 0.0
+    looking = sighting(model)
+    model.takes_s = takes_s
+    fly = Fly(looking, Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    fly.run(pictures(int(0.9 / period_s), period_s))
+    messages = decoded(line.sent)[:-1]
+    known = [m.distances[0] != UNKNOWN_CM for m in messages]
+    assert sum(known) > 0.6 * len(known)
+    summary = fly.summary()
+    if takes_s:
+        assert summary["pictures"]["skipped"] > 0.5 * summary["pictures"]["seen"]  # the latest wins
+        assert summary["latency"]["median_ms"] < 100
+    else:
+        assert summary["pictures"]["skipped"] == 0
+    assert summary["period"]["median_ms"] == pytest.approx(20, abs=6)
+
+
+def test_without_height_obstacles_are_unknown_not_invented() -> None:
+    line = Line()
+    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    no_height = (Picture(p.time_s, p.image, p.up_cam, None) for p in pictures(15))
+    fly.run(no_height)
+    assert fly.looked_at >= 10
+    for message in decoded(line.sent):
+        assert set(message.distances) == {UNKNOWN_CM}
+
+
+def test_a_camera_that_breaks_ends_the_flight_with_unknown() -> None:
+    line = Line()
+
+    def broken() -> Iterator[Picture]:
+        yield from pictures(3)
+        raise InputError("camera:0", "is gone", "plug it in")
+
+    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, recorded_attitude=True))
+    with pytest.raises(InputError, match="is gone"):
+        fly.run(broken())
+    assert set(decoded(line.sent)[-1].distances) == {UNKNOWN_CM}
+
+
+def test_other_systems_are_ignored_and_counted() -> None:
+    line = Line()
+    link = Link(line, system=1)
+    line.incoming = [
+        attitude(codec(system=2), 1.0),
+        attitude(codec(component=200), 1.0),
+        attitude(codec(), 1.0),
+    ]
+    taken = [message for _ in range(3) for message in link.receive(0.0)]
+    assert [message.get_srcSystem() for message in taken] == [1]
+    assert link.counts == {"foreign_system": 2, "accepted": 1}
+
+
+def test_signatures_are_asked_for() -> None:
+    line = Line()
+    link = Link(line, key=KEY)
+    forged, good = codec(key=bytes(32)), codec(key=KEY)
+    forged.signing.timestamp += 10**9  # from the future: must not shut out the true sender
+    replayed = attitude(good, 1.0)
+    line.incoming = [attitude(codec(), 1.0), attitude(forged, 1.0), replayed, replayed, attitude(good, 2.0)]
+    taken = [message for _ in range(5) for message in link.receive(0.0)]
+    assert [message.time_boot_ms for message in taken] == [1000, 2000]
+    assert link.counts == {"bad_signature": 3, "accepted": 2}
+
+
+def test_ours_are_signed() -> None:
+    line = Line()
+    assert Link(line, key=KEY).send_heartbeat()
+    parser = codec(key=KEY)
+    assert parser.parse_buffer(line.sent[0])[0].get_type() == "HEARTBEAT"
+    stranger = codec(key=bytes(32))
+    stranger.robust_parsing = True
+    assert stranger.parse_buffer(line.sent[0])[0].get_type() == "BAD_DATA"
+
+
+@settings(deadline=None, max_examples=150)
+@given(st.lists(st.binary(min_size=1, max_size=300), max_size=6), st.integers(0, 40), st.integers(0, 255))
+def test_garbage_never_stops_the_link(datagrams: list[bytes], place: int, value: int) -> None:
+    line = Line()
+    link = Link(line)
+    bent = bytearray(attitude(codec(), 1.0))
+    bent[place % len(bent)] = value
+    line.incoming = [*datagrams, bytes(bent), b"\xfd\xff", attitude(codec(), 2.0)]
+    taken = [message for _ in range(len(datagrams) + 3) for message in link.receive(0.0)]
+    assert taken[-1].time_boot_ms == 2000
+
+
+def test_garbage_in_a_running_flight() -> None:
+    line = Line()
+    rng = np.random.default_rng(0)
+    line.incoming = [rng.bytes(int(rng.integers(1, 600))) for _ in range(2000)]
+    line.incoming += [bytes([0xFD]) + rng.bytes(40) for _ in range(500)]
+    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    fly.run(pictures(30))
+    assert not line.incoming
+    assert any(message.distances[0] != UNKNOWN_CM for message in decoded(line.sent))
+    assert sum(fly._link.counts.values()) > 2000
+
+
+def test_texts_are_cut_to_what_fits() -> None:
+    line = Line()
+    assert Link(line).send_text("é" * 80)
+    assert decoded(line.sent, "STATUSTEXT")[0].text == "?" * 50
+
+
+def test_attitude_and_height_of_messages() -> None:
+    autopilot = Autopilot(Watchdog(time.monotonic))
+    roll = quaternion_from_rpy(math.radians(60), 0.0, 0.0)
+    q = SimpleNamespace(
+        get_type=lambda: "ATTITUDE_QUATERNION",
+        time_boot_ms=1000,
+        q1=roll[0],
+        q2=roll[1],
+        q3=roll[2],
+        q4=roll[3],
+    )
+    autopilot.take(q, 50.0)
+    np.testing.assert_allclose(autopilot.buffer.at(50.0), roll)
+    finder = SimpleNamespace(
+        get_type=lambda: "DISTANCE_SENSOR",
+        orientation=25,
+        current_distance=200,
+        min_distance=10,
+        max_distance=900,
+    )
+    autopilot.take(finder, 50.1)
+    assert autopilot.buffer.height_at(50.1) == pytest.approx(1.0)  # 2 m along an axis tilted by 60 degrees
+    above_home = SimpleNamespace(get_type=lambda: "GLOBAL_POSITION_INT", relative_alt=7000)
+    autopilot.take(above_home, 50.2)
+    assert autopilot.buffer.height_at(50.2) == pytest.approx(1.0)  # the range finder is better
+    autopilot.take(above_home, 52.0)
+    assert autopilot.buffer.height_at(52.0) == pytest.approx(7.0)
+
+
+def test_attitude_in_angles_is_the_same_attitude() -> None:
+    autopilot = Autopilot(Watchdog(time.monotonic))
+    angles = SimpleNamespace(get_type=lambda: "ATTITUDE", time_boot_ms=10, roll=0.1, pitch=-0.2, yaw=3.0)
+    autopilot.take(angles, 5.0)
+    np.testing.assert_allclose(autopilot.buffer.at(5.0), quaternion_from_rpy(0.1, -0.2, 3.0))
+    nothing = SimpleNamespace(get_type=lambda: "ATTITUDE", time_boot_ms=20, roll=math.nan, pitch=0, yaw=0)
+    autopilot.take(nothing, 5.1)
+    assert autopilot.buffer.newest_s == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize(("orientation", "cm", "expected"), [(25, 150, 1.5), (0, 150, None), (25, 5, None)])
+def test_only_a_range_finder_that_looks_down_counts(
+    orientation: int, cm: int, expected: float | None
+) -> None:
+    message = SimpleNamespace(orientation=orientation, current_distance=cm, min_distance=10, max_distance=900)
+    assert height_of("DISTANCE_SENSOR", message) == expected
+
+
+def test_udp_listens_on_the_given_address_only_and_keeps_its_peer() -> None:
+    transport = UdpIn("127.0.0.1", 0)
+    assert transport.address[0] == "127.0.0.1"
+    link = Link(transport)
+    assert not link.send_heartbeat()  # nobody there yet
+    friend, stranger = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
+    for one in (friend, stranger):
+        one.bind(("127.0.0.1", 0))
+        one.settimeout(1.0)
+    stranger.sendto(b"garbage", transport.address)
+    friend.sendto(attitude(codec(), 1.0), transport.address)
+    stranger.sendto(attitude(codec(), 2.0), transport.address)
+    taken = [message for _ in range(3) for message in link.receive(1.0)]
+    assert [message.time_boot_ms for message in taken] == [1000]
+    assert link.counts["foreign_system"] == 1
+    assert link.send_heartbeat()
+    assert decoded([friend.recv(500)], "HEARTBEAT")
+    stranger.settimeout(0.05)
+    with pytest.raises(TimeoutError):
+        stranger.recv(500)
+    for one in (friend, stranger, transport):
+        one.close()
+
+
+def test_udpout_survives_that_nobody_is_there() -> None:
+    free = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    free.bind(("127.0.0.1", 0))
+    port = free.getsockname()[1]
+    free.close()
+    link = Link(UdpOut("127.0.0.1", port))
+    for _ in range(5):
+        link.send_heartbeat()
+        assert link.receive(0.02) == []
+    link.close()
+
+
+@pytest.mark.parametrize(
+    "url", ["", "udp:1.2.3.4:5", "udpout:host", "udpin::5", "tcp:a:1", "udpout:127.0.0.1:99999"]
+)
+def test_wrong_addresses_are_one_line(url: str) -> None:
+    with pytest.raises(InputError, match="udpout:HOST:PORT"):
+        open_transport(url)
+
+
+def test_a_taken_port_is_one_line() -> None:
+    first = UdpIn("127.0.0.1", 0)
+    with pytest.raises(InputError, match="cannot be opened"):
+        open_transport(f"udpin:127.0.0.1:{first.address[1]}")
+    first.close()
+
+
+def test_signing_keys(tmp_path: Path) -> None:
+    import hashlib
+
+    path = tmp_path / "key"
+    path.write_bytes(KEY)
+    assert read_signing_key(path) == KEY
+    path.write_text(KEY.hex() + "\n")
+    assert read_signing_key(path) == KEY
+    path.write_text("open sesame\n")
+    assert read_signing_key(path) == hashlib.sha256(b"open sesame").digest()
+    path.write_text("\n")
+    with pytest.raises(InputError, match="is empty"):
+        read_signing_key(path)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_signing_key(tmp_path / "none")
+
+
+def test_the_latest_picture_wins() -> None:
+    slot = LatestPicture(pictures(5, 0.001), lambda: None)
+    slot.start()
+    wait_for(lambda: slot.ended)
+    last = slot.take(0.0)
+    assert last is not None
+    assert (slot.seen, slot.skipped) == (5, 4)
+    assert slot.take(0.0) is None
+
+
+def test_latencies_against_sorting() -> None:
+    values = np.random.default_rng(0).gamma(2.0, 0.02, 3000)
+    latencies = Latencies()
+    for value in values.tolist():
+        latencies.add(value)
+    for percentile in (1, 50, 99):
+        assert latencies.percentile_ms(percentile) == pytest.approx(
+            1e3 * np.percentile(values, percentile), abs=1.1
+        )
+    assert Latencies().percentile_ms(50) is None
+
+
+def test_mavsdk_as_the_autopilot_sends_attitude_and_reads_the_distances() -> None:
+    """A C++ stack in process: every value that leaves is compared with what it received."""
+    import json
+
+    mavsdk = pytest.importorskip("mavsdk")
+    if not hasattr(mavsdk, "Mavsdk"):
+        pytest.skip("an older MAVSDK, which needs a server of its own")
+    from mavsdk.plugins.mavlink_direct import MavlinkDirect, MavlinkMessage
+
+    transport = UdpIn("127.0.0.1", 0)
+    stack = mavsdk.Mavsdk(mavsdk.Configuration.create_manual(1, 1, True))
+    port = transport.address[1]
+    assert stack.add_any_connection(f"udpout://127.0.0.1:{port}") == mavsdk.ConnectionResult.SUCCESS
+    link = Link(transport)
+    wait_for(lambda: bool(link.receive(0.05)), 5.0)  # its heartbeat
+    link.send_heartbeat()
+    wait_for(lambda: bool(stack.get_systems()), 5.0)
+    direct = MavlinkDirect(stack.get_systems()[0])
+    received: list[dict[str, Any]] = []
+    direct.subscribe_message(
+        "OBSTACLE_DISTANCE", lambda message, _: received.append(json.loads(message.fields_json))
+    )
+    q = quaternion_from_rpy(0.1, -0.2, 0.3)
+    fields = {"time_boot_ms": 1234, "rollspeed": 0.0, "pitchspeed": 0.0, "yawspeed": 0.0}
+    fields |= {f"q{index + 1}": float(value) for index, value in enumerate(q)}
+    direct.send_message(MavlinkMessage("ATTITUDE_QUATERNION", 1, 1, 0, 0, json.dumps(fields)))
+    autopilot = Autopilot(Watchdog(time.monotonic))
+
+    def attitude_came() -> bool:
+        for message in link.receive(0.05):
+            autopilot.take(message, time.monotonic())
+        return autopilot.buffer.newest_s > -math.inf
+
+    wait_for(attitude_came, 5.0)
+    np.testing.assert_allclose(autopilot.buffer.at(autopilot.buffer.newest_s), q, atol=1e-6)
+    shape = MessageShape()
+    cm = distances_cm(None, shape)
+    cm[:10] = np.arange(20, 1020, 100)
+    cm[71] = shape.clear_cm
+    assert link.send_distances(12.5, cm, shape)
+    wait_for(lambda: bool(received), 5.0)
+    got = received[0]
+    assert got["distances"] == cm.tolist()
+    assert (got["increment_f"], got["angle_offset"], got["frame"]) == (5.0, 0.0, 12)
+    assert (got["min_distance"], got["max_distance"], got["time_usec"]) == (20, 1001 - 1, 12_500_000)
+    stack.destroy()
+    link.close()
