@@ -1,7 +1,7 @@
-"""A network of the size and shape of Depth-Anything-V2-Small, with random weights: for its running time alone.
+"""A network of the size and shape of Depth-Anything-V2-Small, with random weights: to time it.
 
-DINOv2 ViT-S/14 (12 blocks, 384 features, 6 heads) and the DPT head with 48, 96, 192 and 384 features (Oquab et
-al. 2023, arXiv:2304.07193; Ranftl et al. 2021, arXiv:2103.13413; Yang et al. 2024, arXiv:2406.09414).
+DINOv2 ViT-S/14 (12 blocks, 384 features, 6 heads) and the DPT head with 48, 96, 192 and 384 features (Oquab
+et al. 2023, arXiv:2304.07193; Ranftl et al. 2021, arXiv:2103.13413; Yang et al. 2024, arXiv:2406.09414).
 """
 
 import torch

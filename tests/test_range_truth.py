@@ -12,6 +12,7 @@ from PIL import Image
 from horizon_dl.errors import FrameError
 from horizon_dl.evaluation.range_truth import level_distance, load_range, nearest, true_distances
 from horizon_dl.evaluation.ranging import RangingTally
+from horizon_dl.evaluation.ranging_block import RangingBlock
 from horizon_dl.frames.formats import open_recording
 from horizon_dl.frames.frame import Frame, RangeUnit
 from horizon_dl.frames.loading import load_frame
@@ -123,6 +124,30 @@ def test_without_any_measurement_figures_are_null() -> None:
     assert metrics["columns"] == 0
     assert metrics["median_relative_error"] is None
     assert metrics["missed"] is None
+
+
+def test_the_block_of_a_recording(tmp_path: Path) -> None:
+    depth, labels = hall(3.0)
+    camera = "model: pinhole\nwidth: 160\nheight: 120\nfx: 120.0\nfy: 120.0\ncx: 79.5\ncy: 59.5\n"
+    camera += f"distortion: []\nmount_rpy_deg: [0.0, {math.degrees(-0.2)}, 0.0]\n"
+    folder = make_sets.images_csv(tmp_path, ["a.png,0,0,0,0,1.5", "b.png,1,0,0,0,1.5"], camera=camera)
+    for name in ("a", "b"):
+        make_sets.save_image(folder / f"{name}.png", 160, 120)
+    for kind, values in (("labels", labels), ("depth", (depth * 1000).astype(np.uint16))):
+        (folder / kind).mkdir()
+        Image.fromarray(values).save(folder / kind / "a.png")
+    recording = open_recording(folder)
+    block = RangingBlock(recording)
+    p_above = np.where(labels == 2, 0.4, 0.03).astype(np.float32)
+    for index in range(2):  # the second has neither labels nor depth
+        block.add(load_frame(recording, index), p_above, threshold=0.5)
+    metrics = block.metrics()
+    assert metrics["interval_m"] == [0.7, 4.0]
+    for one in (metrics, metrics["connected"], metrics["true_floor"]):
+        assert one["columns"] > 60
+        assert one["median_relative_error"] < 0.03
+        assert (one["missed"], one["false_stop"]) == (0, 0)
+    assert (metrics["connected_only"], metrics["connected"]["connected_only"]) == (False, True)
 
 
 def test_range_of_a_recording_is_read_in_its_unit(tmp_path: Path) -> None:

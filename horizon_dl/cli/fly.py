@@ -60,7 +60,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--min-distance", type=float, default=0.2, metavar="M", help="(default: 0.2)")
     parser.add_argument("--max-distance", type=float, default=10.0, metavar="M", help="(default: 10)")
     parser.add_argument(
-        "--filter", type=positive_int, default=3, metavar="N", help="frames joined (default: 3)"
+        "--filter",
+        type=positive_int,
+        metavar="N",
+        help="frames joined (default: 3, or 1 with recorded attitude)",
     )
     parser.add_argument(
         "--connected-only",
@@ -83,7 +86,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Fly until the source ends, the time is over, or Ctrl-C; then print the figures."""
+    """Fly until the source ends, the time is over, Ctrl-C or SIGTERM; then print the figures."""
+    import signal
     import time
 
     from horizon_dl.onboard.fly import Fly
@@ -101,16 +105,20 @@ def run(arguments: argparse.Namespace) -> None:
         from horizon_dl.onboard.predict import check_camera
 
         check_camera(model, recording)
-    sighting = Sighting.of(model, settings.mount_rpy_rad, arguments.filter)
+    frames = arguments.filter or (1 if settings.recorded_attitude else 3)
+    sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
     sighting.connected_only = arguments.connected_only
     key = None if arguments.signing_key is None else read_signing_key(arguments.signing_key)
     link = Link(open_transport(arguments.mavlink), arguments.system, key)
     flight = Fly(sighting, link, settings, time.monotonic)
+    # A service is stopped by SIGTERM: the autopilot has to be told then, too.
+    before = signal.signal(signal.SIGTERM, lambda *_: flight.stop())
     try:
         flight.run(_pictures(arguments, recording, calibration), arguments.duration)
     except KeyboardInterrupt:
         pass  # the ordinary end of a flight
     finally:
+        signal.signal(signal.SIGTERM, before)
         link.close()
     figures = flight.summary()
     if arguments.out:
@@ -155,10 +163,12 @@ def _settings(
         )
     if not 10 <= arguments.rate <= 100:
         raise InputError(f"--rate {arguments.rate:g}", "is not from 10 to 100", "autopilots need 10 a second")
-    if arguments.filter % 2 == 0:
+    if arguments.filter is not None and arguments.filter % 2 == 0:
         raise InputError(
             f"--filter {arguments.filter}", "is even, a median needs an odd number", "take 1, 3 or 5"
         )
+    if arguments.system > 255:
+        raise InputError(f"--system {arguments.system}", "is no MAVLink system id", "take 1 to 255")
     if not arguments.speed > 0:
         raise InputError(f"--speed {arguments.speed:g}", "is not positive", "take 1 for real time")
     try:

@@ -6,7 +6,7 @@ timer sends in any case; whenever the watchdog is not content it sends "unknown"
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -75,6 +75,7 @@ class Fly:
         self._newest = _Sighted(-np.inf, None)
         self._reported_s = -np.inf
         self._stop = threading.Event()
+        self._error: Exception | None = None
 
     def run(self, pictures: Iterator[Picture], duration_s: float | None = None) -> None:
         """Fly until the pictures end, the time is over, or `stop` is called; the last message is "unknown".
@@ -84,7 +85,7 @@ class Fly:
         """
         slot = LatestPicture(pictures, self.watchdog.camera)
         threads = [
-            threading.Thread(target=target, name=name, daemon=True)
+            threading.Thread(target=self._guarded, args=(target,), name=name, daemon=True)
             for target, name in ((self._listen, "autopilot"), (self._report, "timer"))
         ]
         end_s = np.inf if duration_s is None else self._clock() + duration_s
@@ -108,8 +109,9 @@ class Fly:
             )
             self._link.send_text("Obstacles unknown: stopped", WARNING)
         self.pictures_seen, self.pictures_skipped = slot.seen, slot.skipped
-        if slot.error is not None:
-            raise slot.error
+        error = self._error or slot.error
+        if error is not None:
+            raise error
 
     def stop(self) -> None:
         """End the flight soon; from any thread."""
@@ -177,6 +179,14 @@ class Fly:
         while self.autopilot.buffer.newest_s < time_s and self._clock() < end_s and not self._stop.is_set():
             time.sleep(0.002)
         return self.autopilot.buffer.at(time_s, max_ahead_s=ATTITUDE_WAIT_S)
+
+    def _guarded(self, target: Callable[[], None]) -> None:
+        """A thread that dies must not go unnoticed: the flight ends and says why."""
+        try:
+            target()
+        except Exception as error:  # whatever it was
+            self._error = error
+            self._stop.set()
 
     def _listen(self) -> None:
         while not self._stop.is_set():

@@ -1,0 +1,69 @@
+"""The block `ranging` of `metrics.json`, gathered while a comparison runs."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.errors import FrameError
+from horizon_dl.evaluation.range_truth import load_range, nearest
+from horizon_dl.evaluation.ranging import RangingTally
+from horizon_dl.frames.frame import Frame, Recording, Truth
+from horizon_dl.obstacles.ranging import p_of_entropy
+
+INDOORS_M = (0.7, 4.0)
+ON_THE_ROAD_M = (5.0, 25.0)
+
+
+class RangingBlock:
+    """Three tallies over the frames that have a range image: all obstacles of a learner, those connected to
+    the horizon, and the truth's own floor mask, which shows what ranging itself gets wrong.
+
+    Distances count from 0.7 to 4 m, on KITTI from 5 to 25 m.
+
+    Example:
+        >>> block = RangingBlock(recording)                                     # doctest: +SKIP
+        >>> block.add(scored.frame, scored.maps["cnn"]["p_above"], threshold)   # doctest: +SKIP
+        >>> metrics["ranging"] = block.metrics()                                # doctest: +SKIP
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        near_m, far_m = ON_THE_ROAD_M if recording.format == "kitti" else INDOORS_M
+        self._recording = recording
+        self._index = {entry.name: index for index, entry in enumerate(recording.entries)}
+        self._everything = RangingTally(near_m, far_m)
+        self._connected = RangingTally(near_m, far_m, connected_only=True)
+        self._true_floor = RangingTally(near_m, far_m)
+
+    def add(self, frame: Frame, p_above: NDArray[np.float32], threshold: float) -> None:
+        """Count one frame; those without range, truth, attitude or height are left out.
+
+        Args:
+            frame: of the recording.
+            p_above: (h, w) a learner's, at any size of the frame's aspect.
+            threshold: the learner's entropy threshold, bits: what a floor has at most.
+        """
+        range_m = self._range(frame)
+        if range_m is None or frame.truth is None:
+            return
+        for tally in (self._everything, self._connected):
+            tally.add(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
+        measured = np.isfinite(range_m)
+        not_floor = nearest(frame.truth, *range_m.shape) != Truth.FLOOR
+        self._true_floor.add(frame, not_floor & measured, range_m, known=measured)
+
+    def metrics(self) -> dict[str, Any]:
+        """Figures of all obstacles, with `connected` and `true_floor` beside them; see `RangingTally`."""
+        return {
+            **self._everything.metrics(),
+            "connected": self._connected.metrics(),
+            "true_floor": self._true_floor.metrics(),
+        }
+
+    def _range(self, frame: Frame) -> NDArray[np.float32] | None:
+        if frame.name not in self._index:
+            return None
+        try:
+            return load_range(self._recording, self._index[frame.name])
+        except FrameError:
+            return None

@@ -1,0 +1,205 @@
+"""The verb `fly`: options, one-line errors, a short replay on loopback, and no torch on board."""
+
+import argparse
+import json
+import math
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import make_sets
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike, NDArray
+
+pytest.importorskip("pymavlink")
+
+from horizon_dl.cli import fly
+from horizon_dl.errors import InputError
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.horizon import elevation
+from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.onboard.model import ObstacleModel
+
+
+class FlatModel:
+    """Sees free floor everywhere."""
+
+    threshold = 0.5
+
+    def __init__(self, camera: Camera) -> None:
+        self.camera = camera
+
+    def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Any:
+        assert up_cam is not None
+        above = elevation(camera_rays(self.camera).directions, up_cam)
+        return SimpleNamespace(p_above=np.where(above > 0, 0.9, 0.03).astype(np.float32), elevation=above)
+
+
+def parsed(*arguments: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    fly.add_arguments(parser)
+    return parser.parse_args(arguments)
+
+
+@pytest.fixture
+def flight(tmp_path: Path) -> Path:
+    """Twenty pictures in 0.4 s from a camera that looks 25 degrees down, 1.5 m up."""
+    rows = [f"images/{i:02d}.png,{0.02 * i},0.0,0.0,0.0,1.5" for i in range(20)]
+    camera = make_sets.CAMERA_YAML.replace("[0.0, 0.0, 0.0]", "[0.0, -25.0, 0.0]")
+    return make_sets.images_csv(tmp_path / "flight", rows, camera=camera)
+
+
+@pytest.fixture
+def model(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    camera = open_recording(flight).camera
+    monkeypatch.setattr(ObstacleModel, "load", lambda path, threads: FlatModel(camera))
+
+
+def test_a_replay_reaches_the_peer(flight: Path, model: None, tmp_path: Path, capsys: Any) -> None:
+    from pymavlink.dialects.v20 import common
+
+    peer = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    peer.bind(("127.0.0.1", 0))
+    peer.settimeout(0.2)
+    out = tmp_path / "figures.json"
+    url = f"udpout:127.0.0.1:{peer.getsockname()[1]}"
+    fly.run(parsed("m.onnx", "--source", str(flight), "--mavlink", url, "--rate", "50", "--out", str(out)))
+    parser, messages = common.MAVLink(None), []
+    try:
+        while True:
+            messages += parser.parse_buffer(peer.recv(1000)) or []
+    except TimeoutError:
+        peer.close()
+    distances = [m.distances for m in messages if m.get_type() == "OBSTACLE_DISTANCE"]
+    assert any(one[0] == 1001 for one in distances)
+    assert {m.get_srcComponent() for m in messages} == {196}
+    figures = json.loads(out.read_text())
+    assert figures["messages"]["sent"] + 1 == len(distances)  # and the last "unknown"
+    assert figures["pictures"]["looked_at"] > 10
+    assert "from image to message" in capsys.readouterr().out
+
+
+def test_sigterm_ends_the_flight_in_order(flight: Path, model: None, capsys: Any) -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGTERM)).start()
+    start = time.monotonic()
+    fly.run(parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:9", "--loop"))
+    assert time.monotonic() - start < 5
+    assert "looked at" in capsys.readouterr().out
+    assert signal.getsignal(signal.SIGTERM) == before
+
+
+def test_the_mount_comes_from_the_data_set(flight: Path) -> None:
+    arguments = parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:1")
+    recording = open_recording(flight)
+    settings = fly._settings(arguments, fly._calibration(arguments, recording), recording)
+    assert settings.mount_rpy_rad == pytest.approx((0.0, math.radians(-25), 0.0))
+    assert settings.recorded_attitude
+
+
+@pytest.mark.parametrize(
+    ("more", "problem"),
+    [
+        (["--rate", "5"], "--rate 5"),
+        (["--rate", "nan"], "--rate nan"),
+        (["--filter", "2"], "--filter 2"),
+        (["--speed", "0"], "--speed 0"),
+        (["--system", "300"], "--system 300"),
+        (["--speed", "nan"], "--speed nan"),
+        (["--min-distance", "3", "--max-distance", "2"], "make no interval"),
+        (["--max-distance", "nan"], "make no interval"),
+        (["--max-distance", "inf"], "make no interval"),
+        (["--height", "-1"], "--height -1"),
+        (["--height", "nan"], "--height nan"),
+        (["--camera", "none.yaml"], "none.yaml: is missing"),
+    ],
+)
+def test_wrong_options_are_one_line(flight: Path, model: None, more: list[str], problem: str) -> None:
+    with pytest.raises(InputError, match=problem):
+        fly.run(parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:9", *more))
+
+
+def test_a_camera_needs_its_mount_and_the_autopilots_attitude() -> None:
+    with pytest.raises(InputError, match="how the camera is mounted"):
+        fly.run(parsed("m", "--source", "camera:0", "--mavlink", "udpout:127.0.0.1:9"))
+    with pytest.raises(InputError, match="needs a data set"):
+        fly.run(
+            parsed("m", "--source", "camera:0", "--mavlink", "udpout:127.0.0.1:9", "--attitude", "recorded")
+        )
+
+
+def test_another_camera_than_the_models_is_one_line(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    other = Camera("pinhole", 64, 48, 60.0, 60.0, 31.5, 23.5)
+    monkeypatch.setattr(ObstacleModel, "load", lambda path, threads: FlatModel(other))
+    with pytest.raises(InputError, match="another camera"):
+        fly.run(parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:9"))
+
+
+def test_a_video_that_is_not_there_is_one_line(flight: Path, model: None, tmp_path: Path) -> None:
+    pytest.importorskip("cv2")
+    arguments = parsed(
+        "m",
+        "--source",
+        str(tmp_path / "none.mp4"),
+        "--mavlink",
+        "udpout:127.0.0.1:9",
+        "--camera",
+        str(flight / "camera.yaml"),
+    )
+    with pytest.raises(InputError, match="cannot be opened"):
+        fly.run(arguments)
+
+
+def test_a_video_is_played_at_its_own_rate(tmp_path: Path) -> None:
+    cv2 = pytest.importorskip("cv2")
+    from horizon_dl.onboard.pictures import capture
+
+    path = tmp_path / "v.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10.0, (32, 24))
+    if not writer.isOpened():
+        pytest.skip("this OpenCV writes no video")
+    for _ in range(4):
+        writer.write(np.full((24, 32, 3), (250, 0, 0), np.uint8))  # blue, in OpenCV's order
+    writer.release()
+    now, waits = [0.0], []
+
+    def wait(seconds: float) -> None:
+        waits.append(seconds)
+        now[0] += seconds
+
+    pictures = list(capture(str(path), lambda: now[0], wait=wait, rotate_quarter_turns_ccw=1))
+    assert [p.time_s for p in pictures] == pytest.approx([0.0, 0.1, 0.2, 0.3])
+    assert pictures[0].image.shape == (32, 24, 3)
+    assert pictures[0].image[0, 0, 2] > 200 > 50 > pictures[0].image[0, 0, 0]
+
+
+def test_replay_keeps_the_recorded_times(flight: Path) -> None:
+    from horizon_dl.onboard.pictures import replay
+
+    now = [5.0]
+
+    def wait(seconds: float) -> None:
+        now[0] += seconds
+
+    frames = replay(open_recording(flight), lambda: now[0], speed=2.0, loop=True, wait=wait)
+    times = [next(frames).time_s for _ in range(41)]
+    np.testing.assert_allclose(times, 5.0 + 0.01 * np.arange(41), atol=1e-9)
+
+
+def test_what_flies_needs_no_torch() -> None:
+    code = (
+        "import sys, horizon_dl.onboard.fly, horizon_dl.onboard.pictures, horizon_dl.onboard.sighting, "
+        "horizon_dl.onboard.mavlink, horizon_dl.cli.fly\n"
+        "bad = {'torch', 'kornia', 'skimage', 'sklearn', 'scipy', 'matplotlib', 'pymavlink', 'cv2'}\n"
+        "sys.exit(str(bad & set(sys.modules)) if bad & set(sys.modules) else 0)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
