@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+# Two workers with two threads each would wait for one another on two cores. Set before torch is imported.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 
 @pytest.fixture(scope="session")
 def data_dir() -> Path:

@@ -22,6 +22,7 @@ SMALL = [
     "train.rounds=[8, 4]",
     "train.batch=4",
     "train.crop=32",
+    "online.warm_up_steps=2",
     "online.batch=4",
     "online.steps_per_frame=2",
 ]

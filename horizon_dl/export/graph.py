@@ -150,9 +150,11 @@ class MeasureMaps(nn.Module):
 
     def forward(self, p_above: Tensor, information: Tensor, above: Tensor) -> tuple[Tensor, Tensor, Tensor]:
         """Entropy, expected entropy and surprisal, (h, w) bits."""
-        log_yes, log_no = _log2(p_above), _log2(1 - p_above)
-        entropy = (-p_above * log_yes - (1 - p_above) * log_no).clamp(0.0, 1.0)
-        return entropy, (entropy - information).clamp(min=0.0), -torch.where(above, log_yes, log_no)
+        log_no = _log2(1 - p_above)
+        logit = _log2(p_above) - log_no
+        entropy = (-log_no - p_above * logit).clamp(0.0, 1.0)
+        surprisal = (-log_no - above.float() * logit).clamp(min=0.0)
+        return entropy, (entropy - information).clamp(min=0.0), surprisal
 
 
 class Horizon(nn.Module):

@@ -6,12 +6,14 @@ from torch import Tensor, nn
 
 from horizon_dl.geometry.resize import area_weights, nearest_pixels
 
-BAND = 48
+BAND = 16
 """Output pixels a matrix product; the weights are a narrow band, most of a whole matrix would be zeros."""
 
 
 class AreaShrink(nn.Module):
     """`area_resize` of (1, H, W, 3) uint8 to (1, 3, h, w) float of whole grey levels, equal to the bit.
+
+    What moves through memory between the two directions is uint8, a quarter of the floats.
 
     Args:
         image_size: (W, H).
@@ -28,10 +30,10 @@ class AreaShrink(nn.Module):
         """Reduce; rows first, as `area_resize` does."""
         if self.image_size == self.size:
             return image.permute(0, 3, 1, 2).float()
-        (width, height), (_, low) = self.image_size, self.size
-        rows = self.rows.left(image.reshape(height, width * 3).float())
-        planes = rows.reshape(1, low, width, 3).permute(0, 3, 1, 2)
-        return self.columns.right(planes)
+        (width, height), (low_width, low) = self.image_size, self.size
+        rows = self.rows.left(image.reshape(height, width * 3))
+        planes = rows.reshape(1, low, width, 3).permute(0, 3, 1, 2).reshape(3 * low, width)
+        return self.columns.right(planes).reshape(1, 3, low, low_width)
 
 
 class Banded(nn.Module):
@@ -40,9 +42,8 @@ class Banded(nn.Module):
     def __init__(self, inputs: int, outputs: int) -> None:
         super().__init__()
         weights = area_weights(inputs, outputs)
-        self.identity = inputs == outputs
         self.spans: list[tuple[int, int]] = []
-        for start in range(0, 0 if self.identity else outputs, BAND):
+        for start in range(0, 0 if inputs == outputs else outputs, BAND):
             band = weights[start : start + BAND]
             used = np.flatnonzero(band.max(axis=0))
             first, last = int(used[0]), int(used[-1]) + 1
@@ -50,18 +51,22 @@ class Banded(nn.Module):
             self.spans.append((first, last))
 
     def left(self, values: Tensor) -> Tensor:
-        """(inputs, n) to (outputs, n)."""
-        if self.identity:
+        """(inputs, n) uint8 to (outputs, n) uint8."""
+        if not self.spans:
             return values
-        parts = [getattr(self, f"band{i}") @ values[a:b] for i, (a, b) in enumerate(self.spans)]
-        return (torch.cat(parts, dim=0) + 0.5).floor()
+        products = [self._band(i) @ values[a:b].float() for i, (a, b) in enumerate(self.spans)]
+        return torch.cat([(product + 0.5).to(torch.uint8) for product in products], dim=0)
 
     def right(self, values: Tensor) -> Tensor:
-        """(..., inputs) to (..., outputs)."""
-        if self.identity:
-            return values
-        parts = [values[..., a:b] @ getattr(self, f"band{i}").T for i, (a, b) in enumerate(self.spans)]
-        return (torch.cat(parts, dim=-1) + 0.5).floor()
+        """(n, inputs) uint8 to (n, outputs) float."""
+        if not self.spans:
+            return values.float()
+        products = [values[:, a:b].float() @ self._band(i).T for i, (a, b) in enumerate(self.spans)]
+        return torch.cat([(product + 0.5).floor() for product in products], dim=1)
+
+    def _band(self, index: int) -> Tensor:
+        band: Tensor = getattr(self, f"band{index}")
+        return band
 
 
 class NearestEnlarge(nn.Module):

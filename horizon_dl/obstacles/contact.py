@@ -33,7 +33,7 @@ class RiseRules:
     floor_percentile: float = 25.0
     rise: float = 0.1
     noise: float = 1.5
-    alarm_rad: float = math.radians(0.6)
+    alarm_rad: float = math.radians(1.0)
     prior_rad: float = math.radians(1.0)
     swing: float = 0.5
 

@@ -68,8 +68,8 @@ def replay(
                 continue
             due_s = start_s + (taken_s - times[0]) / speed
             wait(max(0.0, due_s - clock()))
-            # A disk that is too slow is a slow camera, not an old picture.
-            yield Picture(max(due_s, clock()), frame.image, frame.up_cam, frame.height_m)
+            # The time at which it was taken, however late it was read: that time's attitude belongs to it.
+            yield Picture(due_s, frame.image, frame.up_cam, frame.height_m)
         if not loop:
             return
         start_s += (times[-1] - times[0] + gap_s) / speed
