@@ -89,3 +89,18 @@ def model_file() -> Path:
 def toy_frames() -> tuple[Frame, ...]:
     recording = open_recording(toy_set())
     return tuple(load_frame(recording, index) for index in (0, 5, 11))
+
+
+def fresh_run(frames, max_pixels=76_800) -> Run:
+    """An untrained net whose batch norm knows these frames and whose probabilities are spread."""
+    config = Config.model_validate({"image": {"max_pixels": max_pixels}})
+    torch.manual_seed(0)
+    net = build_net(config.model).train()
+    images = [image_tensor(make_view(frame, max_pixels).image) for frame in frames]
+    with torch.no_grad():
+        for image in images * 3:
+            net(image)
+        net.masks.mul_(20)
+    net.eval()
+    entropy = binary_entropy(sample_p_above(net, make_view(frames[0], max_pixels).image).mean(axis=0))
+    return Run(net, config, {"threshold": float(np.median(entropy))})

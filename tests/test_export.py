@@ -2,8 +2,6 @@
 
 import hashlib
 import json
-import shutil
-import subprocess
 from dataclasses import asdict
 from pathlib import Path
 from types import MethodType
@@ -14,11 +12,19 @@ import pytest
 import torch
 from PIL import Image
 from scipy import ndimage
-from small_run import SETTINGS, model_file, small_export, small_run, small_run_folder, toy_frames, toy_set
+from small_run import (
+    SETTINGS,
+    fresh_run,
+    model_file,
+    small_export,
+    small_run,
+    small_run_folder,
+    toy_frames,
+    toy_set,
+)
 from torch.nn import functional as F  # noqa: N812
 
 from horizon_dl.cli import main
-from horizon_dl.config import Config
 from horizon_dl.export.card import INPUTS, OUTPUTS
 from horizon_dl.export.export import export_run, parity_frames, trained_camera
 from horizon_dl.export.graph import WholeWay, bilinear_weights, summaries
@@ -30,7 +36,6 @@ from horizon_dl.frames.formats import open_recording
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.resize import area_resize
 from horizon_dl.geometry.view import make_view
-from horizon_dl.learning.run import Run
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.onboard.model import ObstacleModel
@@ -51,21 +56,6 @@ SETS = (
 @pytest.fixture(scope="module")
 def model() -> ObstacleModel:
     return ObstacleModel.load(model_file())
-
-
-def fresh_run(frames, max_pixels=76_800) -> Run:
-    """An untrained net whose batch norm knows these frames and whose probabilities are spread."""
-    config = Config.model_validate({"image": {"max_pixels": max_pixels}})
-    torch.manual_seed(0)
-    net = build_net(config.model).train()
-    images = [image_tensor(make_view(frame, max_pixels).image) for frame in frames]
-    with torch.no_grad():
-        for image in images * 3:
-            net(image)
-        net.masks.mul_(20)
-    net.eval()
-    entropy = binary_entropy(sample_p_above(net, make_view(frames[0], max_pixels).image).mean(axis=0))
-    return Run(net, config, {"threshold": float(np.median(entropy))})
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -240,21 +230,6 @@ def test_other_lenses_have_their_rays_in_the_file():
         assert max(level["elevation"] for level in figures["levels"].values()) < 1e-5
 
 
-def test_openvino_says_the_same(model):
-    openvino = pytest.importorskip("openvino")
-    core = openvino.Core()
-    compiled = core.compile_model(str(model_file()), "CPU", {"INFERENCE_PRECISION_HINT": "f32"})
-    for frame in toy_frames():
-        wanted = model.predict(frame.image, frame.up_cam)
-        feed = {"image": frame.image[None], "up_cam": frame.up_cam.astype(np.float32)}
-        found = {key.get_any_name(): value for key, value in compiled(feed).items()}
-        for name in ("p_above", "entropy", "mutual_information", "elevation"):
-            np.testing.assert_allclose(found[name], getattr(wanted, name), atol=TOLERANCE, err_msg=name)
-        ties = np.abs(wanted.entropy - model.threshold) < TOLERANCE
-        if not ties.any():
-            assert np.array_equal(found["obstacles"].astype(bool), wanted.obstacles)
-
-
 def test_made_up_frames_stand_in_for_missing_data():
     camera = trained_camera(small_run(), "run")
     frames = sample_frames(camera)
@@ -321,39 +296,3 @@ def test_int8_advises_against_itself_where_it_loses(speed_up, auc_change, words)
     assert words in verdict(figures)[-1]
     assert "not advised" in verdict(figures)[-1]
     assert len(verdict({**figures, "speed_up": 1.4, "auc_change": 0.001})) == 1
-
-
-@pytest.fixture(scope="module")
-def node_folder(tmp_path_factory):
-    """The Node.js example with its package, fetched without running any install script."""
-    if not (shutil.which("node") and shutil.which("npm")):
-        pytest.skip("Node.js is not installed")
-    folder = tmp_path_factory.mktemp("node") / "example"
-    shutil.copytree(EXPORTS / "node", folder, ignore=shutil.ignore_patterns("node_modules"))
-    install = ["npm", "install", "--ignore-scripts", "--no-audit", "--no-fund"]
-    done = subprocess.run(install, cwd=folder, capture_output=True, text=True, timeout=300)
-    if done.returncode:
-        pytest.skip("the npm registry cannot be reached")
-    return folder
-
-
-@pytest.mark.slow
-def test_node_says_the_same(model, node_folder):
-    frame = toy_frames()[1]
-    Image.fromarray(frame.image).save(node_folder / "picture.ppm")
-    up_cam = [f"{part:.9g}" for part in frame.up_cam]
-    command = ["node", "obstacles.mjs", str(model_file()), "picture.ppm", *up_cam, "--maps", "maps.json"]
-    done = subprocess.run(command, cwd=node_folder, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    wanted = vars(model.predict(frame.image, frame.up_cam))
-    for name, found in json.loads((node_folder / "maps.json").read_text()).items():
-        np.testing.assert_allclose(np.reshape(found["data"], found["dims"]), wanted[name], atol=TOLERANCE)
-
-
-@pytest.mark.slow
-def test_node_refuses_a_damaged_file(node_folder):
-    (node_folder / "cut.onnx").write_bytes(model_file().read_bytes()[:-1])
-    command = ["node", "obstacles.mjs", "cut.onnx", "picture.ppm"]
-    done = subprocess.run(command, cwd=node_folder, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 1
-    assert "is cut off" in done.stderr

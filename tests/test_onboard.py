@@ -19,6 +19,9 @@ from horizon_dl.geometry.view import make_view
 from horizon_dl.learning.predict import predict
 from horizon_dl.onboard.model import ObstacleModel
 from horizon_dl.onboard.seal import BLANK, FORMAT, read_sealed, sealed
+from horizon_dl.uncertainty.dropout import sample_p_above
+from horizon_dl.uncertainty.measures import measures
+from horizon_dl.uncertainty.summary import net_measures
 
 SAME = ("entropy", "surprisal", "fused")
 """Scores that file and run share to rounding; the mutual information is that of the net's coarse grid."""
@@ -205,3 +208,23 @@ def test_the_runtime_imports_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
+
+
+def test_summarised_measures_are_those_of_the_file(model):
+    for frame in toy_frames():
+        view = make_view(frame, small_run().config.image.max_pixels)
+        wanted = net_measures(small_run().net, view.image, view.elevation > 0)
+        found = model.predict(frame.image, frame.up_cam)
+        for name in ("p_above", "entropy", "expected_entropy", "mutual_information"):
+            np.testing.assert_allclose(getattr(found, name), getattr(wanted, name), atol=1e-4, err_msg=name)
+        np.testing.assert_allclose(np.exp2(-found.surprisal), np.exp2(-wanted.surprisal), atol=1e-4)
+
+
+def test_summarising_before_enlarging_changes_only_the_mutual_information():
+    view = make_view(toy_frames()[0], small_run().config.image.max_pixels)
+    above = view.elevation > 0
+    early = net_measures(small_run().net, view.image, above)
+    late = measures(sample_p_above(small_run().net, view.image), above)
+    for name in ("p_above", "entropy"):
+        np.testing.assert_allclose(getattr(early, name), getattr(late, name), atol=1e-5, err_msg=name)
+    assert np.abs(early.mutual_information - late.mutual_information).mean() < 0.02

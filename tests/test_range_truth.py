@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from horizon_dl.errors import FrameError
-from horizon_dl.evaluation.range_truth import level_distance, load_range, nearest, true_distances
+from horizon_dl.evaluation.range_truth import (
+    level_distance,
+    load_range,
+    nearest,
+    true_distances,
+    true_obstacles,
+)
 from horizon_dl.evaluation.ranging import RangingTally
 from horizon_dl.evaluation.ranging_block import RangingBlock
 from horizon_dl.frames.formats import open_recording
@@ -119,6 +125,19 @@ def test_what_counts_as_missed_and_as_false_stop() -> None:
     assert metrics["within_2sd"] == pytest.approx(1 / 3)
 
 
+def test_floor_behind_an_obstacle_is_not_free() -> None:
+    depth, labels = hall(5.0)
+    range_m = level_distance(
+        (depth * 1000).astype(np.uint16), RangeUnit(0.001, "axis"), camera_rays(CAMERA).directions, UP
+    )
+    labels[range_m > 4.0] = 1  # a bumper at 3 to 4 m, and road seen beneath it
+    labels[(range_m > 3.0) & (range_m <= 4.0)] = 2
+    not_free, known = true_obstacles(frame_of(labels), range_m, Bearings(60, math.radians(2)))
+    assert known.all() == np.isfinite(range_m).all()
+    assert not_free[range_m > 4.0].all()
+    assert not not_free[range_m < 2.9].any()
+
+
 def test_without_any_measurement_figures_are_null() -> None:
     metrics = RangingTally().metrics()
     assert metrics["columns"] == 0
@@ -182,39 +201,20 @@ def test_nearest_takes_the_pixel_over_the_centre() -> None:
 def test_ranging_with_the_truths_own_floor(
     data_dir: Path, name: str, interval: tuple[float, float], limit: float
 ) -> None:
-    """Ranging alone, without map errors; behind the first obstacle nothing counts as floor (see KITTI)."""
+    """Ranging alone, without map errors."""
     recording = open_recording(data_dir / name)
     tally = RangingTally(*interval)
     for index in range(5, len(recording.entries), 20):
         frame, range_m = load_frame(recording, index), load_range(recording, index)
         assert range_m is not None
         assert frame.truth is not None
-        not_floor, known = floor_in_front(frame, range_m)
+        not_floor, known = true_obstacles(frame, range_m, tally.bearings)
         tally.add(frame, not_floor, range_m, known=known)
     metrics = tally.metrics()
     assert metrics["columns"] > 50
     assert metrics["median_relative_error"] < limit
     assert metrics["missed"] < 0.03
     assert metrics["false_stop"] < 0.02
-
-
-def floor_in_front(frame: Frame, range_m: NDArray[np.float32]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Lidar points on the road under a car's bumper are floor to the labels, but lie behind its front."""
-    from horizon_dl.evaluation.range_truth import floor_up
-    from horizon_dl.evaluation.ranging import EVALUATION_BEARINGS as BEARINGS
-    from horizon_dl.obstacles.polar import directions_to_polar
-
-    height, width = range_m.shape
-    up = floor_up(frame)
-    assert up is not None
-    assert frame.truth is not None
-    bearing, _ = directions_to_polar(camera_rays(frame.camera.scaled(width, height)).directions, up)
-    sector = np.clip(np.floor(bearing / BEARINGS.step_rad + BEARINGS.count / 2), 0, BEARINGS.count - 1)
-    front_m = true_distances(frame, range_m, BEARINGS)[sector.astype(int)]
-    known = np.isfinite(range_m)
-    with np.errstate(invalid="ignore"):
-        behind = range_m > front_m
-    return known & ((nearest(frame.truth, height, width) != 1) | behind), known
 
 
 def test_outcome_values_are_stable() -> None:

@@ -140,6 +140,17 @@ def test_specks_are_passed_and_gaps_bridged() -> None:
     assert contact.tolist() == [19, 19, 19]
 
 
+def test_a_pole_narrower_than_a_sector_is_seen() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -10)
+    polar = polar_view(directions, up, bearings=Bearings(20, math.radians(3)))  # six pixels wide
+    pole = wall_map(directions, up, 1.0, 3.0)
+    pole[:, :82], pole[:, 84:] = False, False
+    found = free_distances(pole, polar, 1.0)
+    met = np.flatnonzero(found.outcome == Outcome.OBSTACLE)
+    assert met.tolist() == [10]
+    assert found.distance_m[10] == pytest.approx(3.0, rel=0.05)
+
+
 def test_cells_without_pixels_say_nothing() -> None:
     obstacle = np.zeros((1, 40), bool)
     seen = np.zeros((1, 40), bool)

@@ -11,6 +11,7 @@ import pytest
 
 from horizon_dl.frames import kitti as kitti_reader
 from horizon_dl.frames.formats import FORMATS, open_recording
+from horizon_dl.frames.frame import RangeUnit
 from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 
@@ -63,6 +64,21 @@ def test_kitti_from_every_level(tmp_path: Path, below: str) -> None:
     np.testing.assert_allclose(recording.entries[0].up_cam, LEVEL, atol=1e-12)
     assert recording.entries[0].height_m == 1.65
     assert recording.camera.fx == 30.0
+
+
+def test_ranges_come_with_their_unit(tmp_path: Path) -> None:
+    kitti, tum = open_recording(make_sets.kitti(tmp_path / "k")), open_recording(make_sets.tum(tmp_path / "t"))
+    images_csv = open_recording(make_sets.images_csv(tmp_path / "i"))
+    assert kitti.entries[0].range_unit == RangeUnit(1 / 256, "ray")
+    assert tum.entries[0].range_unit == RangeUnit(1 / 5000, "axis")
+    assert images_csv.entries[0].range_unit == RangeUnit(0.001, "axis")
+
+
+def test_kitti_floor_stays_under_the_car_however_it_tilts(tmp_path: Path) -> None:
+    recording = open_recording(make_sets.kitti(tmp_path, "49 8 110 0.1 -0.2 0.7"))
+    np.testing.assert_allclose(recording.entries[0].floor_up_cam, LEVEL, atol=1e-12)
+    assert np.abs(recording.entries[0].up_cam - LEVEL).max() > 0.1
+    np.testing.assert_array_equal(load_frame(recording, 0).floor_up_cam, recording.entries[0].floor_up_cam)
 
 
 def test_kitti_angles_against_forward_left_up(tmp_path: Path) -> None:

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.errors import FrameError
-from horizon_dl.evaluation.range_truth import load_range, nearest
+from horizon_dl.evaluation.range_truth import load_range, true_obstacles
 from horizon_dl.evaluation.ranging import RangingTally
-from horizon_dl.frames.frame import Frame, Recording, Truth
+from horizon_dl.frames.frame import Frame, Recording
 from horizon_dl.obstacles.ranging import p_of_entropy
 
 INDOORS_M = (0.7, 4.0)
@@ -17,7 +17,7 @@ ON_THE_ROAD_M = (5.0, 25.0)
 
 class RangingBlock:
     """Three tallies over the frames that have a range image: all obstacles of a learner, those connected to
-    the horizon, and the truth's own floor mask, which shows what ranging itself gets wrong.
+    the horizon, and the truth's own floor in front of them, which shows what ranging itself gets wrong.
 
     Distances count from 0.7 to 4 m, on KITTI from 5 to 25 m.
 
@@ -48,9 +48,9 @@ class RangingBlock:
             return
         for tally in (self._everything, self._connected):
             tally.add(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
-        measured = np.isfinite(range_m)
-        not_floor = nearest(frame.truth, *range_m.shape) != Truth.FLOOR
-        self._true_floor.add(frame, not_floor & measured, range_m, known=measured)
+        if frame.up_cam is not None:
+            not_free, known = true_obstacles(frame, range_m, self._true_floor.bearings)
+            self._true_floor.add(frame, not_free, range_m, known=known)
 
     def metrics(self) -> dict[str, Any]:
         """Figures of all obstacles, with `connected` and `true_floor` beside them; see `RangingTally`."""

@@ -47,6 +47,8 @@ class RangingRules:
         horizon_rad: a connected obstacle reaches to this close to the horizon.
         unseen_rad: this close to the horizon nothing is asked: there the attitude's error decides the side,
             and every map is unsure.
+        cell_share: share of a cell's pixels that make it an obstacle cell; well under a half, for the sake of
+            poles narrower than a sector.
         attitude_sd_rad: standard deviation of roll and pitch.
         height_sd: relative standard deviation of the height.
         rise: for `free_distances_from_p`; the window and its share are for maps.
@@ -56,6 +58,7 @@ class RangingRules:
     share: float = 0.6
     horizon_rad: float = math.radians(2.0)
     unseen_rad: float = math.radians(1.0)
+    cell_share: float = 0.2
     attitude_sd_rad: float = math.radians(0.5)
     height_sd: float = 0.03
     rise: RiseRules = field(default_factory=RiseRules)
@@ -110,8 +113,9 @@ def free_distances(
     """
     rules = rules or RangingRules()
     pixels = polar.pixels if known is None else polar.counts(known)
-    cells = (2 * polar.counts(obstacle if known is None else obstacle & known) >= pixels) & (pixels > 0)
     seen = pixels > 0
+    covered = polar.counts(obstacle if known is None else obstacle & known)
+    cells = seen & (covered >= rules.cell_share * pixels)
     if connected_only:
         cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
     window, unseen = _window_and_unseen(polar, rules)
