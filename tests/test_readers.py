@@ -67,7 +67,10 @@ def test_kitti_from_every_level(tmp_path: Path, below: str) -> None:
 
 
 def test_ranges_come_with_their_unit(tmp_path: Path) -> None:
-    kitti, tum = open_recording(make_sets.kitti(tmp_path / "k")), open_recording(make_sets.tum(tmp_path / "t"))
+    kitti, tum = (
+        open_recording(make_sets.kitti(tmp_path / "k")),
+        open_recording(make_sets.tum(tmp_path / "t")),
+    )
     images_csv = open_recording(make_sets.images_csv(tmp_path / "i"))
     assert kitti.entries[0].range_unit == RangeUnit(1 / 256, "ray")
     assert tum.entries[0].range_unit == RangeUnit(1 / 5000, "axis")

@@ -6,7 +6,7 @@ import pytest
 
 from horizon_dl.cli import main
 
-# Pooled AUC of the forest's entropy, with room for one seed and another machine: a forest made weak would be a
+# Pooled AUC of the forest's entropy, with room for one seed and another machine: one made weak would be a
 # cheap win, one that is too good a sign of a leak.
 FOREST_AUC = {
     "arena": (0.85, 0.93),

@@ -21,9 +21,12 @@ VERBS = {
     "compare": "the net against the forest and training-free baselines",
     "evaluate": "a trained net against truth",
     "predict": "panels and arrays from a trained net",
+    "export": "a trained net as one ONNX file",
+    "benchmark": "latency of an exported file on this machine",
+    "fly": "the onboard loop: obstacle distances for an autopilot",
     "config": "show or copy the commented built-in configs",
 }
-EXTRA_OF = {"mujoco": "sim"}
+EXTRA_OF = {"mujoco": "sim", "pymavlink": "drone", "serial": "drone", "cv2": "drone"}
 OURS = "horizon_dl"
 
 

@@ -16,6 +16,7 @@ from horizon_dl.cli.options import add_out, is_model_file, say_skipped
 
 if TYPE_CHECKING:
     from horizon_dl.errors import FrameError
+    from horizon_dl.frames.frame import Recording
     from horizon_dl.frames.source import Source
     from horizon_dl.reporting.colours import Image
 
@@ -27,6 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("model", type=Path, metavar="MODEL", help="what `train --out` or `export` wrote")
     parser.add_argument("source", type=Path, metavar="SOURCE", help="data set, folder of images, or image")
     parser.add_argument("--format", metavar="NAME", help="format of SOURCE (recognised if left out)")
+    parser.add_argument(
+        "--video",
+        type=Path,
+        metavar="FILE",
+        help="also an MP4 with distance per bearing (MODEL.onnx, data set)",
+    )
     add_out(parser)
 
 
@@ -42,6 +49,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     predictions = _from_file if is_model_file(arguments.model) else _from_run
     source = open_source(arguments.source, arguments.format)
+    if arguments.video and not (is_model_file(arguments.model) and isinstance(source, Recording)):
+        raise InputError("--video", "needs an exported model and a data set", "run `horizon-dl export` first")
     count = frame_count(source)
     skipped: dict[str, str] = {}
     with output_folder(arguments.out) as folder:
@@ -59,6 +68,15 @@ def run(arguments: argparse.Namespace) -> None:
             )
     say_skipped(skipped)
     print(f"wrote {count - len(skipped)} panels and arrays to {arguments.out}")
+    if arguments.video and isinstance(source, Recording):
+        print(f"wrote {_film(arguments.video, arguments.model, source)} frames to {arguments.video}")
+
+
+def _film(path: Path, model: Path, recording: "Recording") -> int:
+    from horizon_dl.onboard.film import write_film
+    from horizon_dl.onboard.model import ObstacleModel
+
+    return write_film(path, ObstacleModel.load(model), recording)
 
 
 def _from_run(folder: Path, source: "Source") -> "Iterator[Drawn | FrameError]":

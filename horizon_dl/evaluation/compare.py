@@ -22,6 +22,7 @@ from horizon_dl.evaluation.learners import (
 )
 from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
 from horizon_dl.evaluation.protocols import Protocol, Split, split_frames
+from horizon_dl.evaluation.ranging_block import RangingBlock
 from horizon_dl.evaluation.tally import Tally, scored_pixels
 from horizon_dl.evaluation.training_free import training_free_methods
 from horizon_dl.frames.frame import Frame, Recording
@@ -92,8 +93,10 @@ def compare(
     store = FrameStore(recording, config)
     run_seed = _prequential if protocol == "prequential" else _offline
     tallies: dict[str, list[Tally]] = {name: [] for name in LEARNERS}
+    ranging = RangingBlock(recording)
+    watch = watching(ranging, on_frame)
     for number, seed in enumerate(seeds):
-        found = run_seed(store, split, seed, on_frame if number == 0 else None, progress)
+        found = run_seed(store, split, seed, watch if number == 0 else None, progress)
         for name, tally in found.items():
             tallies[name].append(tally)
     tallies |= {name: [tally] for name, tally in _baselines(store, split.test, progress).items()}
@@ -105,6 +108,7 @@ def compare(
         "seeds": list(seeds),
         "frames": {"train": len(split.train), "test": len(split.test), "skipped": len(store.skipped)},
         "methods": {name: method_metrics(found, rule) for name, found in tallies.items()},
+        "ranging": ranging.metrics(),
     }
     return Comparison(metrics, tallies, store.skipped)
 
@@ -195,6 +199,17 @@ def _prequential(
 def _baselines(store: FrameStore, test: Sequence[int], progress: bool) -> dict[str, Tally]:
     frames = _bar(store.frames(test), "baselines", len(test), progress)
     return score_frames(training_free_methods(), {}, frames, store.config.labels.band_rad)
+
+
+def watching(ranging: RangingBlock, on_frame: OnFrame | None) -> OnFrame:
+    """`on_frame` that also ranges by what the net says."""
+
+    def watch(scored: ScoredFrame) -> None:
+        ranging.add(scored.frame, scored.maps["cnn"][P_ABOVE], scored.thresholds["cnn"])
+        if on_frame:
+            on_frame(scored)
+
+    return watch
 
 
 def _bar(

@@ -3,10 +3,11 @@
 from tqdm import tqdm
 
 from horizon_dl.errors import InputError
-from horizon_dl.evaluation.compare import Comparison, OnFrame, score_frames
+from horizon_dl.evaluation.compare import Comparison, OnFrame, score_frames, watching
 from horizon_dl.evaluation.deployed import FileMethod, FileRun, with_frames
 from horizon_dl.evaluation.learners import Method, NetMethod
 from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
+from horizon_dl.evaluation.ranging_block import RangingBlock
 from horizon_dl.evaluation.training_free import training_free_methods
 from horizon_dl.frames.frame import Recording
 from horizon_dl.learning.run import Run
@@ -33,7 +34,9 @@ def evaluate(
     methods: dict[str, Method] = {"cnn": _learner(run, recording), **training_free_methods()}
     bar = tqdm(store.frames(labelled), "evaluate", total=len(labelled), unit="frame", disable=not progress)
     frames = with_frames(bar)
-    found = score_frames(methods, {"cnn": run.threshold}, frames, run.config.labels.band_rad, on_frame)
+    ranging = RangingBlock(recording)
+    watch = watching(ranging, on_frame)
+    found = score_frames(methods, {"cnn": run.threshold}, frames, run.config.labels.band_rad, watch)
     found["cnn"].train_s = float(run.info.get("train_s", 0.0))
     tallies = {name: [tally] for name, tally in found.items()}
     metrics = {
@@ -48,6 +51,7 @@ def evaluate(
         },
         "trained_on": run.info.get("data"),
         "methods": {name: method_metrics(one, run.info["threshold_rule"]) for name, one in tallies.items()},
+        "ranging": ranging.metrics(),
     }
     return Comparison(metrics, tallies, store.skipped)
 

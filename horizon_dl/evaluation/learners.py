@@ -14,8 +14,10 @@ from horizon_dl.learning.online import OnlineLearner
 from horizon_dl.learning.store import FrameStore
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest, draw_view_pixels
-from horizon_dl.uncertainty.dropout import sample_p_above, single_pass_p_above
+from horizon_dl.uncertainty.dropout import single_pass_p_above
+from horizon_dl.uncertainty.measures import measures
 from horizon_dl.uncertainty.scores import score_maps
+from horizon_dl.uncertainty.summary import net_measures
 
 Map = NDArray[np.float32]
 
@@ -53,8 +55,7 @@ class NetMethod:
 
     def score_maps(self, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
-        samples = sample_p_above(self.net, view.image)
-        return score_maps(view, samples, single_pass_p_above(self.net, view.image))
+        return _net_scores(self.net, view)
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class ForestMethod:
 
     def score_maps(self, view: View) -> dict[str, Map]:
         """All scores but the single pass."""
-        return score_maps(view, self.forest.p_above_samples(view))
+        return _forest_scores(self.forest, view)
 
 
 def fit_forest(store: FrameStore, indices: Sequence[int], seed: int) -> ForestMethod:
@@ -89,7 +90,7 @@ class NetStream:
 
     def score_maps(self, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
-        return score_maps(view, self._learner.p_above_samples(view), self._learner.single_pass(view))
+        return _net_scores(self._learner.net, view)
 
     def learn(self, view: View) -> None:
         """A few steps on this frame and on remembered ones."""
@@ -118,7 +119,7 @@ class ForestStream:
     def score_maps(self, view: View) -> dict[str, Map]:
         """All scores but the single pass."""
         assert self._forest is not None
-        return score_maps(view, self._forest.p_above_samples(view))
+        return _forest_scores(self._forest, view)
 
     def learn(self, view: View) -> None:
         """Keep pixels of this frame; fit when it is time."""
@@ -132,6 +133,15 @@ class ForestStream:
             self._drawn = [_thinned(pixels, limit // self._frames) for pixels in self._drawn]
             self._forest = _fit(self._drawn, self._config, self._seed)
         self.learn_s += time.perf_counter() - start
+
+
+def _net_scores(net: HorizonFCN, view: View) -> dict[str, Map]:
+    found = net_measures(net, view.image, view.elevation > 0)
+    return score_maps(view, found, single_pass_p_above(net, view.image)[0])
+
+
+def _forest_scores(forest: HorizonForest, view: View) -> dict[str, Map]:
+    return score_maps(view, measures(forest.p_above_samples(view), view.elevation > 0))
 
 
 def _thinned(

@@ -22,9 +22,9 @@ class RangingBlock:
     Distances count from 0.7 to 4 m, on KITTI from 5 to 25 m.
 
     Example:
-        >>> block = RangingBlock(recording)                                     # doctest: +SKIP
-        >>> block.add(scored.frame, scored.maps["cnn"]["p_above"], threshold)   # doctest: +SKIP
-        >>> metrics["ranging"] = block.metrics()                                # doctest: +SKIP
+        >>> block = RangingBlock(recording)                    # doctest: +SKIP
+        >>> block.add(frame, p_above, threshold)               # doctest: +SKIP
+        >>> metrics["ranging"] = block.metrics()               # doctest: +SKIP
     """
 
     def __init__(self, recording: Recording) -> None:

@@ -17,8 +17,8 @@ from horizon_dl.geometry.resize import area_resize
 from horizon_dl.geometry.view import View, make_view, working_size
 from horizon_dl.learning.run import Run
 from horizon_dl.obstacles.threshold import obstacle_map
-from horizon_dl.uncertainty.dropout import sample_p_above
-from horizon_dl.uncertainty.measures import Measures, measures
+from horizon_dl.uncertainty.measures import Measures
+from horizon_dl.uncertainty.summary import net_measures
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,7 @@ Item = tuple[View, NDArray[np.uint8] | None] | FrameError
 
 def predict(run: Run, view: View, truth: NDArray[np.uint8] | None = None) -> Prediction:
     """Measures and obstacle map of one view."""
-    samples = sample_p_above(run.net, view.image)
-    found = measures(samples, view.elevation > 0)
+    found = net_measures(run.net, view.image, view.elevation > 0)
     return Prediction(view, found, obstacle_map(found.entropy, run.threshold), truth)
 
 

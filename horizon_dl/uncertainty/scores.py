@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.geometry.view import View
 from horizon_dl.targets.geodesic import LEAST_P, horizon_distance
-from horizon_dl.uncertainty.measures import binary_entropy, measures, p_other_side
+from horizon_dl.uncertainty.measures import Measures, binary_entropy, p_other_side
 
 Map = NDArray[np.float32]
 
@@ -14,28 +14,26 @@ FRAME_WEIGHT = 0.5
 PRIOR_WEIGHT = 0.5
 
 
-def score_maps(view: View, p_above_samples: Map, single_pass: Map | None = None) -> dict[str, Map]:
+def score_maps(view: View, found: Measures, single_pass: Map | None = None) -> dict[str, Map]:
     """All obstacle scores of a learner on one view, each (h, w) in [0, 1].
 
     `surprisal` stands as the probability of the other side, `1 - 2 ** -surprisal`: the same order, bounded.
 
     Args:
         view: the frame.
-        p_above_samples: (N, h, w) in [0, 1], one map a dropout sample or tree.
-        single_pass: (1, h, w) `p_above` without dropout, for learners that have it.
+        found: the learner's measures of it.
+        single_pass: (h, w) `p_above` without dropout, for learners that have it.
     """
-    above = view.elevation > 0
-    found = measures(p_above_samples, above)
     maps = {
         P_ABOVE: found.p_above,
         "entropy": found.entropy,
         "expected_entropy": found.expected_entropy,
         "mutual_information": found.mutual_information,
-        "surprisal": p_other_side(found.p_above, above),
+        "surprisal": p_other_side(found.p_above, view.elevation > 0),
         "fused": fused_score(view, found.p_above),
     }
     if single_pass is not None:
-        maps["single_pass_entropy"] = binary_entropy(single_pass[0])
+        maps["single_pass_entropy"] = binary_entropy(single_pass)
     return maps
 
 
