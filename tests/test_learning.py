@@ -114,6 +114,13 @@ def test_a_pool_too_small_for_the_set_exchanges_its_frames(toy, config):
     assert len(seen) > size
 
 
+@pytest.mark.parametrize("rounds", ["[1]", "[2]", "[3, 10]"])
+def test_few_steps_are_enough_for_the_schedule(toy, rounds):
+    config = load_config(None, [*SMALL, f"train.rounds={rounds}"])
+    net = train_net(FrameStore(toy, config), range(4), seed=0)
+    assert all(torch.isfinite(value).all() for value in net.state_dict().values())
+
+
 def test_training_repeats_to_the_bit(toy, config):
     store = FrameStore(toy, config)
     first, second = (train_net(store, range(20), seed=3) for _ in range(2))

@@ -56,8 +56,10 @@ class HorizonModule(lightning.LightningModule):
         optimiser = torch.optim.AdamW(
             self.net.parameters(), lr=self.config.learning_rate, weight_decay=self.config.weight_decay
         )
+        # The schedule divides by the length of the rise less one: of very few steps it takes two.
+        steps = max(self.steps, 2)
         schedule = torch.optim.lr_scheduler.OneCycleLR(
-            optimiser, self.config.learning_rate, total_steps=self.steps, pct_start=0.1
+            optimiser, self.config.learning_rate, total_steps=steps, pct_start=max(0.1, 2.0 / steps)
         )
         return {"optimizer": optimiser, "lr_scheduler": {"scheduler": schedule, "interval": "step"}}
 
