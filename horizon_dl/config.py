@@ -65,6 +65,15 @@ class TrainConfig(Section):
     memory_mb: Count = 1024
 
 
+class TrainerConfig(Section):
+    """Lightning's trainer: on what it runs."""
+
+    accelerator: str = "auto"
+    devices: Count | Literal["auto"] = 1
+    num_nodes: Count = 1
+    strategy: Literal["auto", "ddp"] = "auto"
+
+
 class OnlineConfig(Section):
     """Learning from a stream, one pass."""
 
@@ -73,7 +82,9 @@ class OnlineConfig(Section):
     steps_per_frame: Count = 4
     batch: Annotated[int, Field(ge=2)] = 6
     learning_rate: Positive = 0.003
-    memory_mb: Count = 64
+    memory_mb: Positive = 64.0
+    checkpoint_frames: Count = 300
+    checkpoint_s: Positive = 30.0
 
 
 class ForestConfig(Section):
@@ -99,6 +110,7 @@ class Config(Section):
     target: TargetConfig = TargetConfig()
     model: ModelConfig = ModelConfig()
     train: TrainConfig = TrainConfig()
+    trainer: TrainerConfig = TrainerConfig()
     online: OnlineConfig = OnlineConfig()
     forest: ForestConfig = ForestConfig()
     threshold: ThresholdConfig = ThresholdConfig()

@@ -10,17 +10,23 @@ from pathlib import Path
 from typing import Any
 
 from horizon_dl.errors import InputError
+from horizon_dl.processes import is_helper
 
 
 @contextmanager
 def output_folder(out: Path) -> Iterator[Path]:
     """A folder beside `out` to write to; its files move into `out` once all went well.
 
-    Files of earlier results that are not written again stay. On any error `out` is as it was.
+    Files of earlier results that are not written again stay. On any error `out` is as it was. What a helper
+    process writes is thrown away.
 
     Raises:
         InputError: `out` is a file, or its place cannot be written to.
     """
+    if is_helper():
+        with tempfile.TemporaryDirectory() as scratch:
+            yield Path(scratch)
+        return
     out = out.absolute()
     if out.exists() and not out.is_dir():
         raise InputError(out, "is a file", "give a folder with --out")

@@ -15,4 +15,6 @@ def averaged(net: nn.Module, decay: float) -> AveragedModel:
         now = min(decay, (count + 1) / (count + 10))
         return average + (newest - average) * (1.0 - now)
 
-    return AveragedModel(net, avg_fn=blend, use_buffers=True)
+    average = AveragedModel(net, avg_fn=blend, use_buffers=True)
+    average.requires_grad_(False)
+    return average

@@ -16,10 +16,11 @@ from lightning.pytorch.loggers import TensorBoardLogger
 from torch.utils.data import DataLoader
 from tqdm import tqdm
 
-from horizon_dl.config import Config
+from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.frames.frame import Recording
 from horizon_dl.geometry.view import View
 from horizon_dl.learning.crops import TrainingFrame, training_frame
+from horizon_dl.learning.distributed import SyncBatchNorm
 from horizon_dl.learning.module import CropStream, HorizonModule
 from horizon_dl.learning.run import Run
 from horizon_dl.learning.store import FramePool, FrameStore
@@ -72,8 +73,9 @@ def train_net(
             )
             crops = DataLoader(CropStream(pool, config.train, rng), batch_size=None)
             logger = TensorBoardLogger(log_dir, name="", version=f"round_{number}") if log_dir else None
-            module = HorizonModule(net, config.train, steps)
-            _trainer(steps, logger, progress).fit(module, crops)
+            # Later rounds keep the first one's batch statistics, and drop nothing: see docs/RESEARCH.md.
+            module = HorizonModule(net.train(number == 0), config.train, steps)
+            _trainer(config.trainer, steps, logger, progress).fit(module, crops)
             net = cast(HorizonFCN, module.average.module).cpu().eval()
     return net
 
@@ -84,11 +86,13 @@ def _frame_maker(config: Config, net: HorizonFCN | None) -> Callable[[View], Tra
     return lambda view: training_frame(view, config, p_above_of_all_depths(net, view.image))
 
 
-def _trainer(steps: int, logger: TensorBoardLogger | None, progress: bool) -> lightning.Trainer:
+def _trainer(
+    settings: TrainerConfig, steps: int, logger: TensorBoardLogger | None, progress: bool
+) -> lightning.Trainer:
     return lightning.Trainer(
+        **settings.model_dump(),
         max_steps=steps,
-        accelerator="auto",
-        devices=1,
+        plugins=[SyncBatchNorm()],
         logger=logger or False,
         log_every_n_steps=10,
         enable_progress_bar=False,

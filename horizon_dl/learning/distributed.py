@@ -1,0 +1,96 @@
+"""Training in several processes that together do what one would do with all their crops."""
+
+from typing import Any
+
+import torch
+from lightning.pytorch.plugins import LayerSync
+from torch import Tensor, distributed, nn
+
+
+def process_count() -> int:
+    """Processes that train together; 1 outside distributed training."""
+    return distributed.get_world_size() if _several() else 1
+
+
+def process_number() -> int:
+    """Which of them this is, from 0."""
+    return distributed.get_rank() if _several() else 0
+
+
+def mean_of_processes(value: Tensor) -> Tensor:
+    """The mean over all processes; gradients flow back to all of them."""
+    if not _several():
+        return value
+    total: Tensor = _Sum.apply(value)  # type: ignore[no-untyped-call]
+    return total / process_count()
+
+
+class GlobalBatchNorm2d(nn.BatchNorm2d):
+    """Batch norm with the statistics of all processes' crops.
+
+    As `torch.nn.SyncBatchNorm`, which does not run on CPUs.
+    """
+
+    def forward(self, features: Tensor) -> Tensor:
+        """(N, c, h, w) to the same, normalised while training by the mean and variance of all processes."""
+        if not (self.training and _several()):
+            alone: Tensor = super().forward(features)
+            return alone
+        mean, square = mean_of_processes(
+            torch.stack([features.mean(dim=(0, 2, 3)), features.square().mean(dim=(0, 2, 3))])
+        )
+        variance = square - mean.square()
+        self._remember(mean.detach(), variance.detach(), process_count() * features[:, 0].numel())
+        scale: Tensor = self.weight * torch.rsqrt(variance + self.eps)
+        normalised: Tensor = (features - mean[:, None, None]) * scale[:, None, None] + self.bias[
+            :, None, None
+        ]
+        return normalised
+
+    def _remember(self, mean: Tensor, variance: Tensor, count: int) -> None:
+        assert self.running_mean is not None
+        assert self.running_var is not None
+        assert self.num_batches_tracked is not None
+        share = 0.1 if self.momentum is None else self.momentum
+        self.running_mean.lerp_(mean, share)
+        self.running_var.lerp_(variance * (count / (count - 1)), share)
+        self.num_batches_tracked.add_(1)
+
+
+class SyncBatchNorm(LayerSync):
+    """Lightning's way to have every batch norm of a net work on all processes' crops."""
+
+    def apply(self, model: nn.Module) -> nn.Module:
+        """Exchange the class; parameters, statistics and their names stay what they are."""
+        return _exchanged(model, nn.BatchNorm2d, GlobalBatchNorm2d)
+
+    def revert(self, model: nn.Module) -> nn.Module:
+        """Undo `apply`."""
+        return _exchanged(model, GlobalBatchNorm2d, nn.BatchNorm2d)
+
+
+def _exchanged(model: nn.Module, old: type[nn.Module], new: type[nn.Module]) -> nn.Module:
+    for module in model.modules():
+        if type(module) is old:
+            module.__class__ = new
+    return model
+
+
+def _several() -> bool:
+    return distributed.is_available() and distributed.is_initialized() and distributed.get_world_size() > 1
+
+
+class _Sum(torch.autograd.Function):
+    """The sum over all processes; so is its gradient."""
+
+    @staticmethod
+    def forward(_: Any, value: Tensor) -> Tensor:
+        total = value.clone()
+        distributed.all_reduce(total)
+        return total
+
+    @staticmethod
+    def backward(_: Any, gradient: Tensor) -> Tensor:
+        total = gradient.clone().contiguous()
+        distributed.all_reduce(total)
+        return total
