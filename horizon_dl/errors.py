@@ -12,7 +12,10 @@ class InputError(Exception):
     """
 
     def __init__(self, where: str | Path, problem: str, way_out: str) -> None:
-        super().__init__(f"{where}: {problem}; {way_out}")
+        super().__init__(where, problem, way_out)  # all of it, so that it can travel between processes
+
+    def __str__(self) -> str:
+        return "{}: {}; {}".format(*self.args)
 
 
 class FrameError(InputError):

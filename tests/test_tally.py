@@ -30,6 +30,30 @@ def test_only_labelled_pixels_below_the_horizon_are_scored():
 
 def test_a_frame_without_truth_or_attitude_is_not_scored():
     assert not scored_pixels(frame_with(None)).mask.any()
+    assert not scored_pixels(frame_with(None), above=True).mask.any()
+
+
+def test_above_the_horizon_obstacles_stand_against_ceiling_and_sky():
+    truth = np.full((8, 8), 3, np.uint8)
+    truth[:, 0] = 2
+    truth[:, 1] = 1
+    truth[:, 2] = 0
+    pixels = scored_pixels(frame_with(truth), above=True)
+    assert pixels.mask.sum() == 4 * 6  # the upper four rows, without floor and ignored columns
+    assert not pixels.mask[4:].any()
+    assert pixels.obstacle.sum() == 4
+    assert pixels.depression_rad.min() > 0
+    highest = np.rad2deg(pixels.depression_rad).max()
+    assert highest == pytest.approx(np.rad2deg(np.arctan(3.5 / 8)), abs=0.8)
+
+
+def test_kept_pixels_keep_their_order():
+    truth = np.array([[1, 2] * 4] * 8, np.uint8)
+    pixels = scored_pixels(frame_with(truth))
+    floor = pixels.keep(~pixels.obstacle)
+    assert np.array_equal(floor.mask, pixels.mask & (truth == 1))
+    assert not floor.obstacle.any()
+    assert np.array_equal(floor.depression_rad, pixels.depression_rad[~pixels.obstacle])
 
 
 def test_enlarging_keeps_a_constant_and_the_range():
@@ -77,3 +101,45 @@ def test_method_metrics_have_the_agreed_keys():
     point = block["operating_point"]
     assert (point["threshold"], point["tpr"], point["fpr"], point["rule"]) == (0.5, 1.0, 0.0, "percentile-25")
     assert point["tpr_filtered"] == 0.0  # a lone pixel is filtered away
+
+
+def test_other_pixels_have_figures_of_their_own():
+    """Above the horizon the score is wrong on purpose, below it is right."""
+    truth = np.array([[3, 2] * 4] * 4 + [[1, 2] * 4] * 4, np.uint8)
+    frame = frame_with(truth)
+    score = np.where(truth == 2, 0.9, 0.1).astype(np.float32)
+    score[:4] = 1.0 - score[:4]
+    nothing = scored_pixels(frame_with(None))
+    others = {"above": scored_pixels(frame, above=True), "low": nothing}
+    tallies = [Tally(), Tally()]
+    for tally in tallies:
+        tally.add_scores({"entropy": score, "p_above": score}, scored_pixels(frame), others)
+    block = method_metrics(tallies, "none")
+    assert block["scores"]["entropy"]["auc"] == 1.0
+    assert block["above"]["scores"]["entropy"]["auc"] == 0.0
+    assert block["above"]["scores"]["entropy"]["auc_within_depression"] == 0.0
+    assert (block["above"]["obstacles"], block["above"]["others"]) == (16, 16)
+    assert "low" not in block
+    assert set(block["above"]["scores"]) == set(block["scores"])
+
+
+def test_pixels_of_one_class_only_give_no_figures():
+    frame = frame_with(np.full((8, 8), 2, np.uint8))
+    tally = Tally()
+    tally.add_scores(
+        {"entropy": np.full((8, 8), 0.5, np.float32)},
+        scored_pixels(frame),
+        {"above": scored_pixels(frame, above=True)},
+    )
+    assert "above" not in method_metrics([tally], "none")
+
+
+def test_calibration_error_of_the_metrics_is_outside_the_band():
+    elevation = np.array([[0.5, 0.5, 0.001, -0.5, np.nan]], np.float32)
+    view = View("a", 0.0, np.zeros((1, 5, 3), np.uint8), elevation)
+    tally = Tally()
+    tally.add_sides(view, np.array([[0.9, 0.7, 0.0, 0.2, 0.5]], np.float32), band_rad=0.01)
+    block = method_metrics([tally], "none")
+    assert block["calibration"]["ece"] == pytest.approx((0.1 + 0.3 + 0.2) / 3, abs=1e-6)
+    assert block["calibration"]["ece_sd"] == 0.0
+    assert "calibration" not in method_metrics([Tally()], "none")

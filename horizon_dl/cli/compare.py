@@ -12,6 +12,7 @@ from horizon_dl.cli.options import (
     add_config,
     add_data,
     add_out,
+    add_scheduler,
     open_data,
     positive_int,
     resolve_config,
@@ -24,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_config(parser)
     add_out(parser)
+    add_scheduler(parser)
     parser.add_argument(
         "--protocol",
         choices=("tail", "labelled-out", "prequential"),
@@ -45,12 +47,15 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.comparison import PanelWriter, write_comparison
     from horizon_dl.reporting.table import metrics_table
+    from horizon_dl.workers import open_workers
 
     split = split_recording(recording, arguments.protocol)
     seeds = list(range(config.seed, config.seed + arguments.seeds))
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out) as folder, open_workers(arguments.scheduler) as workers:
         panels = PanelWriter(folder, len(split.test))
-        result = compare(recording, config, arguments.protocol, seeds, on_frame=panels, progress=True)
+        result = compare(
+            recording, config, arguments.protocol, seeds, on_frame=panels, progress=True, workers=workers
+        )
         save_config(config, folder / "config.yaml")
         write_comparison(folder, f"{recording.name}, {arguments.protocol}", result, panels, config)
     print(metrics_table(result.metrics))

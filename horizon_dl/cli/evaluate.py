@@ -9,7 +9,7 @@ DIR then holds metrics.json, report.html, roc.svg and panels/.
 import argparse
 from pathlib import Path
 
-from horizon_dl.cli.options import add_data, add_out, is_model_file, open_data, say_skipped
+from horizon_dl.cli.options import add_data, add_out, add_scheduler, is_model_file, open_data, say_skipped
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,6 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run_folder", type=Path, metavar="RUN", help="what `train --out` or `export` wrote")
     add_data(parser)
     add_out(parser)
+    add_scheduler(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -27,14 +28,15 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.comparison import PanelWriter, write_comparison
     from horizon_dl.reporting.table import metrics_table
+    from horizon_dl.workers import open_workers
 
     load = load_file_run if is_model_file(arguments.run_folder) else load_run
     trained = load(arguments.run_folder)
     recording = open_data(arguments)
     labelled = sum(entry.truth_path is not None for entry in recording.entries)
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out) as folder, open_workers(arguments.scheduler) as workers:
         panels = PanelWriter(folder, labelled)
-        result = evaluate(trained, recording, on_frame=panels, progress=True)
+        result = evaluate(trained, recording, on_frame=panels, progress=True, workers=workers)
         title = f"{arguments.run_folder.name} on {recording.name}"
         write_comparison(folder, title, result, panels, trained.config)
     print(metrics_table(result.metrics))

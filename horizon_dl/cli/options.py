@@ -33,6 +33,15 @@ def add_out(parser: argparse.ArgumentParser, default: Path | None = None) -> Non
     )
 
 
+def add_scheduler(parser: argparse.ArgumentParser) -> None:
+    """`--scheduler`."""
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Dask cluster for features, forest and scoring; `local`: processes of this machine",
+    )
+
+
 def open_data(arguments: argparse.Namespace) -> "Recording":
     """The recording that `DATA` and `--format` name."""
     from horizon_dl.frames.formats import open_recording

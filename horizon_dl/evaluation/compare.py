@@ -1,12 +1,11 @@
 """The comparison: net, forest and training-free baselines on the same frames of one recording."""
 
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from tqdm import tqdm
 
 from horizon_dl.config import Config
@@ -23,33 +22,29 @@ from horizon_dl.evaluation.learners import (
 from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
 from horizon_dl.evaluation.protocols import Protocol, Split, split_frames
 from horizon_dl.evaluation.ranging_block import RangingBlock
-from horizon_dl.evaluation.tally import Tally, scored_pixels
+from horizon_dl.evaluation.scoring import (
+    OnFrame,
+    ScoredFrame,
+    count_frame,
+    read_frame,
+    read_frames,
+    tally_readings,
+    watching,
+)
+from horizon_dl.evaluation.second_truth import SecondTruth
+from horizon_dl.evaluation.tally import Tally
 from horizon_dl.evaluation.training_free import training_free_methods
-from horizon_dl.frames.frame import Frame, Recording
-from horizon_dl.geometry.view import View
+from horizon_dl.frames.frame import Recording
 from horizon_dl.learning.store import FrameStore
 from horizon_dl.learning.train import THRESHOLD_FRAMES, entropy_threshold, evenly, train_net
 from horizon_dl.obstacles.percentile import RunningPercentile, stream_percentile
-from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.workers import HERE, Workers
 
-Map = NDArray[np.float32]
+T = TypeVar("T")
 
 LEARNERS = ("cnn", "rf")
 THRESHOLD_EVERY = 5
 """In one pass, every fifth frame is predicted for the threshold's sake even where it has no truth."""
-
-
-@dataclass(frozen=True)
-class ScoredFrame:
-    """One test frame as the methods saw it: score maps and thresholds (None without one) by method."""
-
-    frame: Frame
-    view: View
-    maps: Mapping[str, Mapping[str, Map]]
-    thresholds: Mapping[str, float]
-
-
-OnFrame = Callable[[ScoredFrame], None]
 
 
 @dataclass
@@ -75,6 +70,7 @@ def compare(
     *,
     on_frame: OnFrame | None = None,
     progress: bool = False,
+    workers: Workers = HERE,
 ) -> Comparison:
     """Train and score every method under every seed.
 
@@ -85,6 +81,8 @@ def compare(
         seeds: one run of each learner a seed; baselines have no seed.
         on_frame: called with every test frame of the first seed.
         progress: show progress bars.
+        workers: who computes features, fits the forest and scores frames; `prequential`, frame by frame,
+            stays in this process.
 
     Raises:
         InputError: nothing to train on or to test, or too many frames cannot be used.
@@ -96,10 +94,10 @@ def compare(
     ranging = RangingBlock(recording)
     watch = watching(ranging, on_frame)
     for number, seed in enumerate(seeds):
-        found = run_seed(store, split, seed, watch if number == 0 else None, progress)
+        found = run_seed(store, split, seed, watch if number == 0 else None, progress, workers)
         for name, tally in found.items():
             tallies[name].append(tally)
-    tallies |= {name: [tally] for name, tally in _baselines(store, split.test, progress).items()}
+    tallies |= {name: [tally] for name, tally in _baselines(store, split.test, progress, workers).items()}
     rule = f"percentile-{config.threshold.percentile:g}"
     metrics = {
         "schema": SCHEMA,
@@ -125,69 +123,59 @@ def split_recording(recording: Recording, protocol: Protocol) -> Split:
     return split
 
 
-def score_frames(
-    methods: Mapping[str, Method],
-    thresholds: Mapping[str, float],
-    frames: Iterable[tuple[Frame, View]],
-    band_rad: float,
-    on_frame: OnFrame | None = None,
-) -> dict[str, Tally]:
-    """Score methods on frames; thresholds belong to the entropy."""
-    tallies = {name: Tally() for name in methods}
-    for frame, view in frames:
-        maps = {name: _timed_scores(method, view, tallies[name]) for name, method in methods.items()}
-        scored = ScoredFrame(frame, view, maps, dict(thresholds))
-        _count(tallies, scored, band_rad)
-        if on_frame:
-            on_frame(scored)
-    return tallies
-
-
 def _offline(
-    store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool
+    store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool, workers: Workers
 ) -> dict[str, Tally]:
     config = store.config
     start = time.perf_counter()
     net = train_net(store, split.train, seed=seed, progress=progress)
     net_s = time.perf_counter() - start
-    forest = fit_forest(store, split.train, seed)
+    forest = fit_forest(store, split.train, seed, workers)
     forest_s = time.perf_counter() - start - net_s
     methods: dict[str, Method] = {"cnn": NetMethod(net), "rf": forest}
     thresholds = {
         "cnn": entropy_threshold(net, store, split.train),
-        "rf": _forest_threshold(forest, store, split.train),
+        "rf": _forest_threshold(forest, store, split.train, workers),
     }
-    frames = _bar(store.frames(split.test), f"test, seed {seed}", len(split.test), progress)
-    tallies = score_frames(methods, thresholds, frames, config.labels.band_rad, on_frame)
+    readings = read_frames(methods, store, split.test, workers)
+    bar = _bar(readings, f"test, seed {seed}", len(split.test), progress)
+    second_truth = SecondTruth(store.recording)
+    tallies = tally_readings(bar, thresholds, config.labels.band_rad, second_truth, on_frame)
     tallies["cnn"].train_s, tallies["rf"].train_s = net_s, forest_s
     return tallies
 
 
-def _forest_threshold(forest: ForestMethod, store: FrameStore, indices: Sequence[int]) -> float:
-    views = store.views(evenly(indices, THRESHOLD_FRAMES))
-    entropies = (forest.score_maps(view)["entropy"][~np.isnan(view.elevation)] for view in views)
+def _forest_threshold(
+    forest: ForestMethod, store: FrameStore, indices: Sequence[int], workers: Workers
+) -> float:
+    readings = read_frames({"rf": forest}, store, evenly(indices, THRESHOLD_FRAMES), workers)
+    entropies = (reading.maps["rf"]["entropy"][~np.isnan(reading.view.elevation)] for reading in readings)
     return stream_percentile(entropies, store.config.threshold.percentile)
 
 
 def _prequential(
-    store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool
+    store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool, _: Workers
 ) -> dict[str, Tally]:
     config = store.config
     streams: dict[str, StreamLearner] = {"cnn": NetStream(config, seed), "rf": ForestStream(config, seed)}
     tallies = {name: Tally() for name in streams}
     entropies = {name: RunningPercentile(config.threshold.percentile) for name in streams}
+    second_truth = SecondTruth(store.recording)
     tested = {store.recording.entries[index].name for index in split.test}
     frames = _bar(store.frames(split.train), f"online, seed {seed}", len(split.train), progress)
     for number, (frame, view) in enumerate(frames):
         wanted = frame.name in tested or number % THRESHOLD_EVERY == 0
         ready = {name: stream for name, stream in streams.items() if stream.ready and wanted}
-        maps = {name: _timed_scores(stream, view, tallies[name]) for name, stream in ready.items()}
+        reading = read_frame(ready, frame, view)
+        for name, seconds in reading.seconds.items():
+            tallies[name].add_time(seconds)
         if frame.name in tested and len(ready) == len(streams):
-            scored = ScoredFrame(frame, view, maps, {name: entropies[name].value() for name in maps})
-            _count(tallies, scored, config.labels.band_rad)
+            thresholds = {name: entropies[name].value() for name in ready}
+            scored = ScoredFrame(frame, view, reading.maps, thresholds)
+            count_frame(tallies, scored, config.labels.band_rad, second_truth)
             if on_frame:
                 on_frame(scored)
-        for name, found in maps.items():
+        for name, found in reading.maps.items():
             entropies[name].add(found["entropy"])
         for stream in streams.values():
             stream.learn(view)
@@ -196,44 +184,12 @@ def _prequential(
     return tallies
 
 
-def _baselines(store: FrameStore, test: Sequence[int], progress: bool) -> dict[str, Tally]:
-    frames = _bar(store.frames(test), "baselines", len(test), progress)
-    return score_frames(training_free_methods(), {}, frames, store.config.labels.band_rad)
+def _baselines(store: FrameStore, test: Sequence[int], progress: bool, workers: Workers) -> dict[str, Tally]:
+    readings = read_frames(training_free_methods(), store, test, workers)
+    band_rad, second_truth = store.config.labels.band_rad, SecondTruth(store.recording)
+    return tally_readings(_bar(readings, "baselines", len(test), progress), {}, band_rad, second_truth)
 
 
-def watching(ranging: RangingBlock, on_frame: OnFrame | None) -> OnFrame:
-    """`on_frame` that also ranges by what the net says."""
-
-    def watch(scored: ScoredFrame) -> None:
-        ranging.add(scored.frame, scored.maps["cnn"][P_ABOVE], scored.thresholds["cnn"])
-        if on_frame:
-            on_frame(scored)
-
-    return watch
-
-
-def _bar(
-    frames: Iterable[tuple[Frame, View]], what: str, total: int, progress: bool
-) -> Iterable[tuple[Frame, View]]:
-    bar: Iterable[tuple[Frame, View]] = tqdm(frames, what, total=total, unit="frame", disable=not progress)
+def _bar(items: Iterable[T], what: str, total: int, progress: bool) -> Iterable[T]:
+    bar: Iterable[T] = tqdm(items, what, total=total, unit="frame", disable=not progress)
     return bar
-
-
-def _timed_scores(method: Method, view: View, tally: Tally) -> dict[str, Map]:
-    start = time.perf_counter()
-    maps = method.score_maps(view)
-    tally.predict_s += time.perf_counter() - start
-    tally.frames += 1
-    return maps
-
-
-def _count(tallies: Mapping[str, Tally], scored: ScoredFrame, band_rad: float) -> None:
-    pixels = scored_pixels(scored.frame)
-    for name, maps in scored.maps.items():
-        tally = tallies[name]
-        if P_ABOVE in maps:
-            tally.add_sides(scored.view, maps[P_ABOVE], band_rad)
-        tally.add_scores(maps, pixels)
-        if name in scored.thresholds:
-            tally.threshold = scored.thresholds[name]
-            tally.add_obstacle_map(maps["entropy"], tally.threshold, pixels)

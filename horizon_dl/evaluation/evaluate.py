@@ -1,22 +1,39 @@
 """One trained net against the truth of a recording."""
 
+from collections.abc import Iterator, Mapping, Sequence
+
 from tqdm import tqdm
 
 from horizon_dl.errors import InputError
-from horizon_dl.evaluation.compare import Comparison, OnFrame, score_frames, watching
+from horizon_dl.evaluation.compare import Comparison
 from horizon_dl.evaluation.deployed import FileMethod, FileRun, with_frames
 from horizon_dl.evaluation.learners import Method, NetMethod
 from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
 from horizon_dl.evaluation.ranging_block import RangingBlock
+from horizon_dl.evaluation.scoring import (
+    OnFrame,
+    Reading,
+    read_frame,
+    read_frames,
+    tally_readings,
+    watching,
+)
+from horizon_dl.evaluation.second_truth import SecondTruth
 from horizon_dl.evaluation.training_free import training_free_methods
 from horizon_dl.frames.frame import Recording
 from horizon_dl.learning.run import Run
 from horizon_dl.learning.store import FrameStore
 from horizon_dl.onboard.predict import check_camera
+from horizon_dl.workers import HERE, Workers
 
 
 def evaluate(
-    run: Run | FileRun, recording: Recording, *, on_frame: OnFrame | None = None, progress: bool = False
+    run: Run | FileRun,
+    recording: Recording,
+    *,
+    on_frame: OnFrame | None = None,
+    progress: bool = False,
+    workers: Workers = HERE,
 ) -> Comparison:
     """Score a run folder or a model file, beside the training-free baselines, on every labelled frame.
 
@@ -32,11 +49,12 @@ def evaluate(
             recording.name, "has no truth (labels/*.png)", "use `horizon-dl predict` for pictures"
         )
     methods: dict[str, Method] = {"cnn": _learner(run, recording), **training_free_methods()}
-    bar = tqdm(store.frames(labelled), "evaluate", total=len(labelled), unit="frame", disable=not progress)
-    frames = with_frames(bar)
+    readings = _readings(methods, store, labelled, workers)
+    bar = tqdm(readings, "evaluate", total=len(labelled), unit="frame", disable=not progress)
     ranging = RangingBlock(recording)
     watch = watching(ranging, on_frame)
-    found = score_frames(methods, {"cnn": run.threshold}, frames, run.config.labels.band_rad, watch)
+    thresholds, band_rad = {"cnn": run.threshold}, run.config.labels.band_rad
+    found = tally_readings(bar, thresholds, band_rad, SecondTruth(recording), watch)
     found["cnn"].train_s = float(run.info.get("train_s", 0.0))
     tallies = {name: [tally] for name, tally in found.items()}
     metrics = {
@@ -54,6 +72,15 @@ def evaluate(
         "ranging": ranging.metrics(),
     }
     return Comparison(metrics, tallies, store.skipped)
+
+
+def _readings(
+    methods: Mapping[str, Method], store: FrameStore, indices: Sequence[int], workers: Workers
+) -> Iterator[Reading]:
+    if isinstance(methods["cnn"], FileMethod):  # a runtime's session stays in its process
+        frames = with_frames(store.frames(indices))
+        return (read_frame(methods, frame, view) for frame, view in frames)
+    return read_frames(methods, store, indices, workers)
 
 
 def _learner(run: Run | FileRun, recording: Recording) -> Method:

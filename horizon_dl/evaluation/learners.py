@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.config import Config
+from horizon_dl.errors import FrameError
+from horizon_dl.frames.frame import Recording
 from horizon_dl.geometry.view import View
 from horizon_dl.learning.online import OnlineLearner
 from horizon_dl.learning.store import FrameStore
@@ -18,6 +20,7 @@ from horizon_dl.uncertainty.dropout import single_pass_p_above
 from horizon_dl.uncertainty.measures import measures
 from horizon_dl.uncertainty.scores import score_maps
 from horizon_dl.uncertainty.summary import net_measures
+from horizon_dl.workers import HERE, Workers
 
 Map = NDArray[np.float32]
 
@@ -69,15 +72,31 @@ class ForestMethod:
         return _forest_scores(self.forest, view)
 
 
-def fit_forest(store: FrameStore, indices: Sequence[int], seed: int) -> ForestMethod:
-    """The forest on pixels drawn evenly from the frames of a recording."""
+def fit_forest(store: FrameStore, indices: Sequence[int], seed: int, workers: Workers = HERE) -> ForestMethod:
+    """The forest on pixels drawn evenly from the frames of a recording; features and fit are the workers'."""
     config = store.config
     per_frame = -(-config.forest.training_pixels // len(indices))
-    drawn = [
-        draw_view_pixels(view, (seed, number), config.labels.band_rad, per_frame)
-        for number, view in enumerate(store.views(indices))
-    ]
-    return ForestMethod(_fit(drawn, config, seed))
+    shared = (store.recording, config, per_frame)
+    items = [(index, (seed, number)) for number, index in enumerate(indices)]
+    drawn = list(store.usable(zip(indices, workers.map(_draw_entry, shared, items), strict=True)))
+    return ForestMethod(next(workers.map(_fit_drawn, (drawn, config), [seed])))
+
+
+Drawn = tuple[NDArray[np.float32], NDArray[np.uint8]]
+
+
+def _draw_entry(
+    shared: tuple[Recording, Config, int], item: tuple[int, tuple[int, int]]
+) -> Drawn | FrameError:
+    (recording, config, count), (index, seed) = shared, item
+    read = FrameStore(recording, config).read(index)
+    if isinstance(read, FrameError):
+        return read
+    return draw_view_pixels(read[1], seed, config.labels.band_rad, count)
+
+
+def _fit_drawn(shared: tuple[Sequence[Drawn], Config], seed: int) -> HorizonForest:
+    return _fit(*shared, seed)
 
 
 class NetStream:
@@ -106,7 +125,7 @@ class ForestStream:
     def __init__(self, config: Config, seed: int) -> None:
         self._config = config
         self._seed = seed
-        self._drawn: list[tuple[NDArray[np.float32], NDArray[np.uint8]]] = []
+        self._drawn: list[Drawn] = []
         self._frames = 0
         self._forest: HorizonForest | None = None
         self.learn_s = 0.0
@@ -144,18 +163,14 @@ def _forest_scores(forest: HorizonForest, view: View) -> dict[str, Map]:
     return score_maps(view, measures(forest.p_above_samples(view), view.elevation > 0))
 
 
-def _thinned(
-    pixels: tuple[NDArray[np.float32], NDArray[np.uint8]], count: int
-) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+def _thinned(pixels: Drawn, count: int) -> Drawn:
     """At most `count` pixels, evenly over the frame."""
     features, labels = pixels
     chosen = np.linspace(0, len(labels) - 1, min(count, len(labels))).astype(int)
     return features[chosen], labels[chosen]
 
 
-def _fit(
-    drawn: Sequence[tuple[NDArray[np.float32], NDArray[np.uint8]]], config: Config, seed: int
-) -> HorizonForest:
+def _fit(drawn: Sequence[Drawn], config: Config, seed: int) -> HorizonForest:
     features = np.concatenate([feature for feature, _ in drawn])
     labels = np.concatenate([label for _, label in drawn])
     return HorizonForest.fit_pixels(

@@ -1,6 +1,7 @@
 """Reading a recording for learning: what cannot be read is skipped and counted, memory is bounded."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TypeVar
 
 import numpy as np
 from tqdm import tqdm
@@ -11,6 +12,8 @@ from horizon_dl.frames.frame import Frame, Recording
 from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.view import View, make_view
 from horizon_dl.learning.crops import TrainingFrame
+
+T = TypeVar("T")
 
 MOST_SKIPPED = 0.2
 LEAST_TRIED = 10
@@ -30,21 +33,30 @@ class FrameStore:
         self._tried: set[int] = set()
 
     def frames(self, indices: Iterable[int]) -> Iterator[tuple[Frame, View]]:
-        """The usable frames among `indices`, read one at a time.
+        """The usable frames among `indices`, read one at a time; InputError as `usable`."""
+        return self.usable((index, self.read(index)) for index in indices)
+
+    def read(self, index: int) -> tuple[Frame, View] | FrameError:
+        """One frame, or why it cannot be used."""
+        try:
+            frame = load_frame(self.recording, index)
+            return frame, make_view(frame, self.config.image.max_pixels)
+        except FrameError as error:
+            return error
+
+    def usable(self, results: Iterable[tuple[int, T | FrameError]]) -> Iterator[T]:
+        """What became of frames by index, without those that cannot be used, which are counted.
 
         Raises:
             InputError: more than a fifth of at least ten frames, or all of fewer, cannot be used.
         """
-        for index in indices:
+        for index, result in results:
             self._tried.add(index)
-            try:
-                frame = load_frame(self.recording, index)
-                view = make_view(frame, self.config.image.max_pixels)
-            except FrameError as error:
-                self.skipped[self.recording.entries[index].name] = str(error)
+            if isinstance(result, FrameError):
+                self.skipped[self.recording.entries[index].name] = str(result)
                 self._stop_if_too_many()
             else:
-                yield frame, view
+                yield result
         if self._tried and len(self.skipped) >= len(self._tried):
             self._complain()
 

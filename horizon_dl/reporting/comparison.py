@@ -4,18 +4,33 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from horizon_dl.config import Config
-from horizon_dl.evaluation.compare import Comparison, ScoredFrame
+from horizon_dl.evaluation.calibration import Reliability
+from horizon_dl.evaluation.compare import Comparison
 from horizon_dl.evaluation.roc import RocAccumulator
+from horizon_dl.evaluation.scoring import ScoredFrame
 from horizon_dl.evaluation.tally import Tally
+from horizon_dl.frames.frame import Frame
+from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.learning.predict import Prediction
 from horizon_dl.obstacles.threshold import obstacle_map
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.reporting.colours import Image
-from horizon_dl.reporting.curves import Floats, OperatingPoint, RocLine, figure_bytes, roc_figure, save_figure
+from horizon_dl.reporting.curves import (
+    Floats,
+    OperatingPoint,
+    RocLine,
+    figure_bytes,
+    reliability_figure,
+    roc_figure,
+    save_figure,
+)
 from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.panels import PanelRow, frame_panel, image_bytes, save_panel
+from horizon_dl.reporting.ranged import range_picture
 from horizon_dl.reporting.sections import GLOSSARY, Figure, Heading, Pairs, Section, Table, Text
 from horizon_dl.reporting.table import HEADER, METHOD_HEADER, METHOD_NAMES, method_rows, metrics_rows
 from horizon_dl.uncertainty.scores import P_ABOVE
@@ -48,13 +63,14 @@ class PanelWriter:
 
 
 def comparison_panel(scored: ScoredFrame) -> Image:
-    """Image, classification, uncertainty, obstacle map and truth; a row a learner."""
+    """Image, classification, uncertainty, obstacle map, distances and truth; a row a learner."""
     rows = [
         PanelRow(
             METHOD_NAMES[name],
             p_above=maps[P_ABOVE],
             uncertainty=maps["entropy"],
             obstacles=obstacle_map(maps["entropy"], scored.thresholds[name]),
+            ranges=ranges_of(scored.frame, maps[P_ABOVE], scored.thresholds[name]),
         )
         for name, maps in scored.maps.items()
         if P_ABOVE in maps
@@ -64,12 +80,21 @@ def comparison_panel(scored: ScoredFrame) -> Image:
     )
 
 
-def prediction_panel(prediction: Prediction) -> Image:
-    """Image, classification, uncertainty and obstacle map; truth where there is one."""
-    found = prediction.measures
-    row = PanelRow("", found.p_above, found.entropy, prediction.obstacles)
-    view = prediction.view
+def prediction_panel(prediction: Prediction, frame: Frame | None, threshold: float) -> Image:
+    """Image, classification, uncertainty, obstacle map; distances and truth where the frame has them."""
+    found, view = prediction.measures, prediction.view
+    ranges = None if frame is None else ranges_of(frame, found.p_above, threshold)
+    row = PanelRow("", found.p_above, found.entropy, prediction.obstacles, ranges=ranges)
     return frame_panel(view.image, view.elevation, [row], prediction.truth, title=view.name)
+
+
+def ranges_of(frame: Frame, p_above: Floats, threshold: float) -> Image | None:
+    """The picture of distances per bearing of a map (h, w), or None for frames without a height."""
+    if frame.height_m is None:
+        return None
+    height, width = p_above.shape
+    directions = camera_rays(frame.camera.scaled(width, height)).directions
+    return range_picture(frame, directions, p_above.astype(np.float32), threshold)
 
 
 def write_comparison(
@@ -86,6 +111,7 @@ def write_comparison(
         Table(HEADER, metrics_rows(metrics), "Obstacle against floor, below the horizon.", text_columns=2),
         Table(METHOD_HEADER, method_rows(metrics), "Learners: accuracy, times, and the threshold's rates."),
         Figure(figure_bytes(roc), "ROC; filled: the threshold's rates, open: after the neighbour filter."),
+        *_calibration(comparison),
         Heading("Panels"),
         *(Figure(content, caption=name, wide=True) for name, content in panels.pictures),
         Heading("How this was made"),
@@ -117,6 +143,20 @@ def roc_lines(comparison: Comparison) -> list[RocLine]:
             )
         )
     return lines
+
+
+def _calibration(comparison: Comparison) -> list[Section]:
+    """The learners' reliability over all seeds, their expected calibration errors in the legend."""
+    lines = {}
+    for method, tallies in comparison.tallies.items():
+        pooled = Reliability()
+        for tally in tallies:
+            pooled.merge(tally.calibration)
+        if (error := pooled.error()) is not None:
+            predicted, observed, _ = pooled.curve()
+            lines[f"{METHOD_NAMES[method]}, error {error:.3f}"] = (predicted, observed)
+    caption = "Calibration of p_above. Softened targets keep the net unsure where the plain side is certain."
+    return [Figure(figure_bytes(reliability_figure(lines)), caption)] if lines else []
 
 
 def setup_facts(comparison: Comparison, config: Config) -> list[tuple[str, str]]:

@@ -1,0 +1,138 @@
+"""Scoring methods on frames: what they say of a frame, counted against its truth."""
+
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.config import Config
+from horizon_dl.errors import FrameError
+from horizon_dl.evaluation.learners import Method
+from horizon_dl.evaluation.ranging_block import RangingBlock
+from horizon_dl.evaluation.second_truth import SecondTruth
+from horizon_dl.evaluation.tally import Tally, scored_pixels
+from horizon_dl.frames.frame import Frame, Recording
+from horizon_dl.geometry.view import View
+from horizon_dl.learning.store import FrameStore
+from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.workers import Workers
+
+Map = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What methods say of one frame.
+
+    Attributes:
+        frame: with its truth, if there is one.
+        view: the frame as the methods saw it.
+        maps: score maps by method and score.
+        seconds: time that each method took.
+    """
+
+    frame: Frame
+    view: View
+    maps: Mapping[str, Mapping[str, Map]]
+    seconds: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class ScoredFrame:
+    """One test frame as the methods saw it: score maps by method, and thresholds where a method has one."""
+
+    frame: Frame
+    view: View
+    maps: Mapping[str, Mapping[str, Map]]
+    thresholds: Mapping[str, float]
+
+
+OnFrame = Callable[[ScoredFrame], None]
+
+
+def read_frame(methods: Mapping[str, Method], frame: Frame, view: View) -> Reading:
+    """Ask every method."""
+    maps, seconds = {}, {}
+    for name, method in methods.items():
+        start = time.perf_counter()
+        maps[name] = method.score_maps(view)
+        seconds[name] = time.perf_counter() - start
+    return Reading(frame, view, maps, seconds)
+
+
+def read_frames(
+    methods: Mapping[str, Method], store: FrameStore, indices: Sequence[int], workers: Workers
+) -> Iterator[Reading]:
+    """Ask every method about frames of a recording, by whatever workers there are; in order."""
+    shared = (methods, store.recording, store.config)
+    yield from store.usable(zip(indices, workers.map(_read_index, shared, indices), strict=True))
+
+
+def _read_index(shared: tuple[Mapping[str, Method], Recording, Config], index: int) -> Reading | FrameError:
+    methods, recording, config = shared
+    found = FrameStore(recording, config).read(index)
+    return found if isinstance(found, FrameError) else read_frame(methods, *found)
+
+
+def score_frames(
+    methods: Mapping[str, Method],
+    thresholds: Mapping[str, float],
+    frames: Iterable[tuple[Frame, View]],
+    band_rad: float,
+    second_truth: SecondTruth,
+    on_frame: OnFrame | None = None,
+) -> dict[str, Tally]:
+    """Ask every method about frames, and count."""
+    readings = (read_frame(methods, frame, view) for frame, view in frames)
+    return tally_readings(readings, thresholds, band_rad, second_truth, on_frame)
+
+
+def tally_readings(
+    readings: Iterable[Reading],
+    thresholds: Mapping[str, float],
+    band_rad: float,
+    second_truth: SecondTruth,
+    on_frame: OnFrame | None = None,
+) -> dict[str, Tally]:
+    """Count readings; thresholds belong to the entropy, the second truth to the recording."""
+    tallies: dict[str, Tally] = {}
+    for reading in readings:
+        scored = ScoredFrame(reading.frame, reading.view, reading.maps, dict(thresholds))
+        for name, seconds in reading.seconds.items():
+            tallies.setdefault(name, Tally()).add_time(seconds)
+        count_frame(tallies, scored, band_rad, second_truth)
+        if on_frame:
+            on_frame(scored)
+    return tallies
+
+
+def count_frame(
+    tallies: Mapping[str, Tally], scored: ScoredFrame, band_rad: float, second_truth: SecondTruth
+) -> None:
+    """Count what the methods say of one frame in their tallies."""
+    pixels = scored_pixels(scored.frame)
+    others = {
+        "above": scored_pixels(scored.frame, above=True),
+        **second_truth.parts(scored.frame, pixels),
+    }
+    for name, maps in scored.maps.items():
+        tally = tallies[name]
+        if P_ABOVE in maps:
+            tally.add_sides(scored.view, maps[P_ABOVE], band_rad)
+        tally.add_scores(maps, pixels, others)
+        if name in scored.thresholds:
+            tally.threshold = scored.thresholds[name]
+            tally.add_obstacle_map(maps["entropy"], tally.threshold, pixels)
+
+
+def watching(ranging: RangingBlock, on_frame: OnFrame | None) -> OnFrame:
+    """`on_frame` that also ranges by what the net says."""
+
+    def watch(scored: ScoredFrame) -> None:
+        ranging.add(scored.frame, scored.maps["cnn"][P_ABOVE], scored.thresholds["cnn"])
+        if on_frame:
+            on_frame(scored)
+
+    return watch

@@ -1,0 +1,94 @@
+"""Where independent work is done: in this process, or by the workers of a Dask cluster."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from itertools import islice
+from typing import Any, Protocol, TypeVar
+
+from horizon_dl.errors import InputError
+
+Shared = TypeVar("Shared")
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+AHEAD = 2
+"""Items a worker's thread is given ahead; results are taken in order, so memory stays bounded."""
+CONNECT_S = 10
+
+
+class Workers(Protocol):
+    """Something that applies a function to many items."""
+
+    def map(
+        self, function: Callable[[Shared, Item], Result], shared: Shared, items: Iterable[Item]
+    ) -> Iterator[Result]:
+        """`function(shared, item)` of every item, in the items' order."""
+        ...
+
+
+class HereWorkers:
+    """This process, one item after the other."""
+
+    def map(
+        self, function: Callable[[Shared, Item], Result], shared: Shared, items: Iterable[Item]
+    ) -> Iterator[Result]:
+        """See `Workers.map`."""
+        return (function(shared, item) for item in items)
+
+
+HERE = HereWorkers()
+
+
+class DaskWorkers:
+    """The workers of a Dask cluster; they need this package, and the data under the same path."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def map(
+        self, function: Callable[[Shared, Item], Result], shared: Shared, items: Iterable[Item]
+    ) -> Iterator[Result]:
+        """See `Workers.map`."""
+        # In a list, since of a bare tuple each part would be sent on its own.
+        (everywhere,) = self._client.scatter([shared], broadcast=True)
+        rest = iter(items)
+        waiting = [self._submit(function, everywhere, item) for item in islice(rest, self._most())]
+        while waiting:
+            result: Result = waiting.pop(0).result()
+            waiting += [self._submit(function, everywhere, item) for item in islice(rest, 1)]
+            yield result
+
+    def _submit(self, function: Callable[..., Any], everywhere: Any, item: Any) -> Any:
+        return self._client.submit(function, everywhere, item, pure=False)
+
+    def _most(self) -> int:
+        threads = sum(self._client.nthreads().values())
+        return AHEAD * max(1, int(threads))
+
+
+@contextmanager
+def open_workers(scheduler: str | None) -> Iterator[Workers]:
+    """The workers of a Dask scheduler, `local` for processes of this machine, None for this process.
+
+    Args:
+        scheduler: as `tcp://10.0.0.5:8786`, `local`, or None.
+
+    Raises:
+        InputError: nothing answers at that address, or no worker has joined.
+    """
+    if scheduler is None:
+        yield HERE
+        return
+    from distributed import Client
+
+    try:
+        client = Client(address=None if scheduler == "local" else scheduler, timeout=CONNECT_S)
+    except (OSError, ValueError) as error:
+        reason = str(error).partition("\n")[0] or type(error).__name__
+        raise InputError(
+            f"--scheduler {scheduler}", f"does not answer ({reason})", "start `dask scheduler` there"
+        ) from None
+    with client:
+        if not client.nthreads():
+            raise InputError(f"--scheduler {scheduler}", "has no workers", f"start `dask worker {scheduler}`")
+        yield DaskWorkers(client)

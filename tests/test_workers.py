@@ -1,0 +1,61 @@
+"""The same work in this process and on a cluster of two workers."""
+
+import json
+
+import pytest
+from distributed import LocalCluster
+from toy import write_toy_set
+
+from horizon_dl.cli import main
+from horizon_dl.errors import FrameError, InputError
+from horizon_dl.workers import HERE, DaskWorkers, open_workers
+
+QUICK = "--train.rounds [8,4] --train.batch 4 --train.crop 32 --seeds 1 --forest.training_pixels 4000".split()
+TIMES = {"train_s", "predict_ms_per_frame"}
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as started:
+        yield started
+
+
+def without_times(value):
+    if isinstance(value, dict):
+        return {key: without_times(part) for key, part in value.items() if key not in TIMES}
+    return value
+
+
+def scaled(factor: int, value: int) -> int | FrameError:
+    return FrameError("frame", f"number {value} is bad", "mend it") if value == 3 else factor * value
+
+
+def test_results_come_in_order_and_errors_travel(cluster):
+    with open_workers(cluster.scheduler_address) as workers:
+        assert isinstance(workers, DaskWorkers)
+        found = list(workers.map(scaled, 10, range(40)))
+    expected = list(HERE.map(scaled, 10, range(40)))
+    assert str(found.pop(3)) == str(expected.pop(3)) == "frame: number 3 is bad; mend it"
+    assert found == expected == [10 * value for value in range(40) if value != 3]
+
+
+def test_a_cluster_gives_the_same_figures_to_the_last_digit(cluster, tmp_path):
+    data = write_toy_set(tmp_path / "toy")
+    (data / "images" / "004.png").write_bytes(b"no picture")
+    arguments = ["compare", str(data), *QUICK]
+    assert main([*arguments, "--out", str(tmp_path / "here")]) == 0
+    assert main([*arguments, "--out", str(tmp_path / "there"), "--scheduler", cluster.scheduler_address]) == 0
+    here, there = (json.loads((tmp_path / name / "metrics.json").read_text()) for name in ("here", "there"))
+    assert here["frames"]["skipped"] == 1
+    assert without_times(here) == without_times(there)
+    assert here["methods"]["rf"]["scores"]["entropy"]["auc"] is not None
+
+
+def test_an_address_where_nothing_answers_is_named():
+    with pytest.raises(InputError, match="does not answer"), open_workers("tcp://127.0.0.1:9"):
+        pass
+
+
+def test_an_address_that_is_none_is_named():
+    with pytest.raises(InputError, match="--scheduler"), open_workers("nonsense://x"):
+        pass
