@@ -39,9 +39,10 @@ def test_results_come_in_order_and_errors_travel(cluster):
     assert found == expected == [10 * value for value in range(40) if value != 3]
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_figures_to_the_last_digit(cluster, tmp_path):
     data = write_toy_set(tmp_path / "toy")
-    (data / "images" / "004.png").write_bytes(b"no picture")
+    (data / "images" / "010.png").write_bytes(b"no picture")
     arguments = ["compare", str(data), *QUICK]
     assert main([*arguments, "--out", str(tmp_path / "here")]) == 0
     assert main([*arguments, "--out", str(tmp_path / "there"), "--scheduler", cluster.scheduler_address]) == 0
