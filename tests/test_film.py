@@ -1,34 +1,22 @@
 """A film of a small flight, read back."""
 
+import shutil
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import make_sets
-import numpy as np
 import pytest
-from numpy.typing import ArrayLike, NDArray
+from flat_model import FlatModel
 
 cv2 = pytest.importorskip("cv2")
 
+from horizon_dl.cli import main  # noqa: E402
 from horizon_dl.errors import InputError  # noqa: E402
 from horizon_dl.frames.formats import open_recording  # noqa: E402
-from horizon_dl.geometry.camera import Camera  # noqa: E402
-from horizon_dl.geometry.horizon import elevation  # noqa: E402
-from horizon_dl.geometry.rays import camera_rays  # noqa: E402
 from horizon_dl.onboard.film import drawn_frames, frames_per_second, write_film  # noqa: E402
+from horizon_dl.simulation.embedded import embedded_set  # noqa: E402
 
-
-class FlatModel:
-    threshold = 0.5
-
-    def __init__(self, camera: Camera) -> None:
-        self.camera = camera
-
-    def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Any:
-        assert up_cam is not None
-        above = elevation(camera_rays(self.camera).directions, up_cam)
-        return SimpleNamespace(p_above=np.where(above > 0, 0.9, 0.03).astype(np.float32), elevation=above)
+REFERENCE = Path(__file__).parents[1] / "exports" / "reference" / "model.onnx"
 
 
 def flight(tmp_path: Path, attitude: str = "-0.4") -> Path:
@@ -72,3 +60,33 @@ def test_the_rate_is_the_median_and_bounded(tmp_path: Path) -> None:
     assert frames_per_second(open_recording(flight(tmp_path))) == pytest.approx(20.0)
     one = make_sets.images_csv(tmp_path / "one", ["a.png,0,0,0,0,1"])
     assert frames_per_second(open_recording(one)) == pytest.approx(10.0)
+
+
+def part_of_the_embedded_flight(folder: Path, frames: int) -> Path:
+    (folder / "images").mkdir(parents=True)
+    shutil.copy(embedded_set() / "camera.yaml", folder)
+    lines = (embedded_set() / "frames.csv").read_text().splitlines()[: frames + 1]
+    (folder / "frames.csv").write_text("\n".join(lines) + "\n")
+    for line in lines[1:]:
+        name = line.split(",")[0]
+        shutil.copy(embedded_set() / name, folder / name)
+    return folder
+
+
+def test_the_verb_films_the_embedded_flight(tmp_path: Path, capsys: Any) -> None:
+    data, path = part_of_the_embedded_flight(tmp_path / "set", 5), tmp_path / "out.mp4"
+    arguments = ["predict", str(REFERENCE), str(data), "--out", str(tmp_path / "p"), "--video", str(path)]
+    assert main(arguments) == 0
+    film = cv2.VideoCapture(str(path))
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == 5
+    assert film.get(cv2.CAP_PROP_FPS) == pytest.approx(6.0, rel=0.01)
+    assert (film.get(cv2.CAP_PROP_FRAME_WIDTH), film.get(cv2.CAP_PROP_FRAME_HEIGHT)) == (320, 240)
+    assert "wrote 5 frames" in capsys.readouterr().out
+    assert len(list((tmp_path / "p" / "panels").iterdir())) == 5
+
+
+def test_a_film_needs_a_model_file_and_a_data_set(tmp_path: Path, capsys: Any) -> None:
+    picture = next((embedded_set() / "images").iterdir())
+    arguments = ["predict", str(REFERENCE), str(picture), "--out", str(tmp_path / "p"), "--video", "f.mp4"]
+    assert main(arguments) == 2
+    assert "needs an exported model and a data set" in capsys.readouterr().err

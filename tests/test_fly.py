@@ -24,13 +24,14 @@ from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera  # no
 from horizon_dl.geometry.camera import Camera  # noqa: E402
 from horizon_dl.geometry.horizon import elevation  # noqa: E402
 from horizon_dl.geometry.rays import camera_rays  # noqa: E402
+from horizon_dl.obstacles.polar import bearings_for  # noqa: E402
 from horizon_dl.onboard.autopilot import Autopilot, height_of  # noqa: E402
 from horizon_dl.onboard.fly import Fly, FlySettings  # noqa: E402
 from horizon_dl.onboard.latency import Latencies  # noqa: E402
 from horizon_dl.onboard.mavlink import Link, read_signing_key  # noqa: E402
 from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM, MessageShape, distances_cm  # noqa: E402
 from horizon_dl.onboard.pictures import LatestPicture, Picture  # noqa: E402
-from horizon_dl.onboard.sighting import Sighting, bearings_for, forward_in_camera, model_rays  # noqa: E402
+from horizon_dl.onboard.sighting import Sighting, forward_in_camera, model_rays  # noqa: E402
 from horizon_dl.onboard.transport import UdpIn, UdpOut, open_transport  # noqa: E402
 from horizon_dl.onboard.watchdog import Watchdog  # noqa: E402
 

@@ -1,14 +1,19 @@
 """Drawn ranges: colours at pixels whose place is known from the geometry."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
+from horizon_dl.frames.frame import Frame
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.obstacles.heading import Heading
 from horizon_dl.obstacles.polar import Bearings, polar_view
 from horizon_dl.obstacles.ranging import FreeDistances, free_distances, no_distances
+from horizon_dl.reporting.comparison import ranges_of
+from horizon_dl.reporting.panels import PanelRow, frame_panel
+from horizon_dl.reporting.ranged import range_picture
 from horizon_dl.reporting.ranges import draw_ranges
 
 CAMERA = Camera("pinhole", 320, 240, 300.0, 300.0, 159.5, 119.5)
@@ -68,3 +73,37 @@ def test_metres_are_written_and_the_picture_may_be_smaller() -> None:
     assert drawn.shape == (240, 320, 3)
     below_line = drawn[199:214].astype(int)
     assert (below_line.max(axis=2) < 90).sum() > 30  # dark letters
+
+
+FRAME = Frame("a.png", 0.0, WHITE, CAMERA, UP, 1.0)
+P_ABOVE = np.where(WALL, 0.5, 0.02).astype(np.float32)
+
+
+def test_a_frame_is_ranged_and_the_panel_shows_it() -> None:
+    drawn = range_picture(FRAME, DIRECTIONS, P_ABOVE, 0.3)
+    assert drawn is not None
+    coloured = (drawn[..., 0] > 200) & (drawn[..., 1] < 190) & (drawn[..., 2] < 60)
+    rows = np.nonzero(coloured[130:, 150])[0] + 130
+    assert abs(rows.mean() - 194.5) < 3
+    ground = drawn[236, 150:170].astype(int)
+    # The wall is 4 m away and 2 m are needed: straight ahead is free.
+    assert (ground[:, 2] > ground[:, 0] + 50).any()
+    plain = frame_panel(WHITE, -DIRECTIONS[..., 1], [PanelRow("")], cell_width=160)
+    with_ranges = frame_panel(WHITE, -DIRECTIONS[..., 1], [PanelRow("", ranges=drawn)], cell_width=160)
+    assert with_ranges.shape[1] == plain.shape[1] + 160 + 10
+
+
+def test_without_attitude_or_height_nothing_is_drawn() -> None:
+    assert range_picture(replace(FRAME, up_cam=None), DIRECTIONS, P_ABOVE, 0.3) is None
+    assert range_picture(replace(FRAME, up_cam=np.array([0.0, 0.0, 1.0])), DIRECTIONS, P_ABOVE, 0.3) is None
+    assert ranges_of(replace(FRAME, height_m=None), P_ABOVE, 0.3) is None
+    assert ranges_of(FRAME, P_ABOVE, 0.3) is not None
+
+
+def test_a_car_needs_more_room_than_a_drone() -> None:
+    drone = range_picture(FRAME, DIRECTIONS, P_ABOVE, 0.3)
+    car = range_picture(replace(FRAME, floor_up_cam=UP), DIRECTIONS, P_ABOVE, 0.3)
+    assert drone is not None
+    assert car is not None
+    blue = [int((one[200:, :, 2].astype(int) - one[200:, :, 0] > 50).sum()) for one in (drone, car)]
+    assert blue[0] > 0 == blue[1]

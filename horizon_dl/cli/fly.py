@@ -5,13 +5,13 @@
 
 Attitude comes from the autopilot (ATTITUDE_QUATERNION or ATTITUDE), or as recorded from a data set; height
 from DISTANCE_SENSOR, GLOBAL_POSITION_INT or LOCAL_POSITION_NED, or --height. Without height nothing is
-measured in metres, and every sector with an obstacle is unknown. Ctrl-C ends the flight and tells the
-autopilot so.
+measured in metres, and every sector with an obstacle is unknown. A fresh model file in the place of MODEL is
+taken over between two frames. Ctrl-C ends the flight and tells the autopilot so.
 """
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.options import positive_int
 
@@ -47,6 +47,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--camera", type=Path, metavar="FILE", help="camera.yaml: mount, and how to turn images"
+    )
+    parser.add_argument(
+        "--camera-delay",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="from exposure to arrival of a picture; its attitude is that much older (default: 0)",
     )
     parser.add_argument(
         "--height",
@@ -91,8 +98,8 @@ def run(arguments: argparse.Namespace) -> None:
     import time
 
     from horizon_dl.onboard.fly import Fly
+    from horizon_dl.onboard.followed import FollowedModel
     from horizon_dl.onboard.mavlink import Link, read_signing_key
-    from horizon_dl.onboard.model import ObstacleModel
     from horizon_dl.onboard.sighting import Sighting
     from horizon_dl.onboard.transport import open_transport
     from horizon_dl.output import write_json
@@ -100,11 +107,11 @@ def run(arguments: argparse.Namespace) -> None:
     recording = _recording(arguments)
     calibration = _calibration(arguments, recording)
     settings = _settings(arguments, calibration, recording)
-    model = ObstacleModel.load(arguments.model, arguments.threads)
+    model = FollowedModel.load(arguments.model, arguments.threads)
     if recording is not None:
         from horizon_dl.onboard.predict import check_camera
 
-        check_camera(model, recording)
+        check_camera(model.current, recording)
     frames = arguments.filter or (1 if settings.recorded_attitude else 3)
     sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
     sighting.connected_only = arguments.connected_only
@@ -120,7 +127,7 @@ def run(arguments: argparse.Namespace) -> None:
     finally:
         signal.signal(signal.SIGTERM, before)
         link.close()
-    figures = flight.summary()
+    figures = {**flight.summary(), "model": model.summary()}
     if arguments.out:
         write_json(arguments.out, figures)
     _say(figures)
@@ -136,12 +143,12 @@ def _recording(arguments: argparse.Namespace) -> "Recording | None":
 
 def _calibration(arguments: argparse.Namespace, recording: "Recording | None") -> "Calibration | None":
     """Of --camera, or of the data set where it has one."""
+    from horizon_dl.frames.camera_file import camera_file
     from horizon_dl.geometry.calibration import read_calibration
 
     path = arguments.camera
     if path is None and recording is not None:
-        path = Path(arguments.source) / "camera.yaml"
-        path = path if path.is_file() else None
+        path = camera_file(Path(arguments.source))
     return None if path is None else read_calibration(path)
 
 
@@ -151,6 +158,7 @@ def _settings(
     from horizon_dl.errors import InputError
     from horizon_dl.onboard.fly import FlySettings
     from horizon_dl.onboard.obstacle_distance import MessageShape
+    from horizon_dl.onboard.watchdog import STALE_S
 
     attitude = arguments.attitude or ("autopilot" if recording is None else "recorded")
     if attitude == "recorded" and recording is None:
@@ -179,6 +187,12 @@ def _settings(
         raise InputError(
             "--min-distance, --max-distance", "make no interval", "take for example 0.2 and 10"
         ) from None
+    if not 0 <= arguments.camera_delay < STALE_S:
+        raise InputError(
+            f"--camera-delay {arguments.camera_delay:g}",
+            f"is not from 0 to {STALE_S:g}",
+            "with a camera that slow every sector is unknown",
+        )
     if arguments.height is not None and not 0 < arguments.height < 1000:
         raise InputError(f"--height {arguments.height:g}", "is no height in metres", "take 0 to 1000")
     return FlySettings(
@@ -200,10 +214,12 @@ def _pictures(
     if recording is not None:
         return replay(recording, time.monotonic, speed=arguments.speed, loop=arguments.loop)
     turns = 0 if calibration is None else calibration.rotate_quarter_turns_ccw
-    return capture(arguments.source, time.monotonic, rotate_quarter_turns_ccw=turns)
+    return capture(
+        arguments.source, time.monotonic, rotate_quarter_turns_ccw=turns, delay_s=arguments.camera_delay
+    )
 
 
-def _say(figures: dict[str, dict[str, float]]) -> None:
+def _say(figures: dict[str, dict[str, Any]]) -> None:
     messages, latency, pictures = figures["messages"], figures["latency"], figures["pictures"]
     print(f"looked at {pictures['looked_at']} pictures, sent {messages['sent']} messages", end="")
     print(f" ({messages['unknown']} of them unknown, {messages['unsent']} did not leave)")
@@ -211,3 +227,7 @@ def _say(figures: dict[str, dict[str, float]]) -> None:
         print(
             f"from image to message: median {latency['median_ms']:.0f} ms, 99 % in {latency['p99_ms']:.0f} ms"
         )
+    if figures["model"]["taken_over"]:
+        print(f"took over {figures['model']['taken_over']} fresh model files in flight")
+    if figures["model"]["refused"]:
+        print(f"refused {figures['model']['refused']} model files; the last: {figures['model']['problem']}")

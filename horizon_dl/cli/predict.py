@@ -43,6 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     from tqdm import tqdm
 
     from horizon_dl.errors import FrameError, InputError
+    from horizon_dl.frames.frame import Recording
     from horizon_dl.frames.source import frame_count, open_source
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.panels import save_panel
@@ -90,8 +91,9 @@ def _from_run(folder: Path, source: "Source") -> "Iterator[Drawn | FrameError]":
         if isinstance(item, FrameError):
             yield item
         else:
-            prediction = predict(trained, *item)
-            yield prediction.view.name, prediction_panel(prediction), prediction.arrays()
+            view, frame = item
+            prediction = predict(trained, view, None if frame is None else frame.truth)
+            yield view.name, prediction_panel(prediction, frame, trained.threshold), prediction.arrays()
 
 
 def _from_file(path: Path, source: "Source") -> "Iterator[Drawn | FrameError]":

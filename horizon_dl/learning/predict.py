@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.errors import FrameError
-from horizon_dl.frames.frame import Recording
+from horizon_dl.frames.frame import Frame, Recording
 from horizon_dl.frames.loading import load_frame, load_rgb
 from horizon_dl.frames.source import Source
 from horizon_dl.geometry.camera import Camera
@@ -43,7 +43,7 @@ class Prediction:
         return {**maps, "obstacles": self.obstacles, "elevation_rad": self.view.elevation}
 
 
-Item = tuple[View, NDArray[np.uint8] | None] | FrameError
+Item = tuple[View, Frame | None] | FrameError
 
 
 def predict(run: Run, view: View, truth: NDArray[np.uint8] | None = None) -> Prediction:
@@ -53,7 +53,7 @@ def predict(run: Run, view: View, truth: NDArray[np.uint8] | None = None) -> Pre
 
 
 def views_of(source: Source, max_pixels: int) -> Iterator[Item]:
-    """Views with their truth, or the error of a frame that cannot be read; attitude is not needed."""
+    """Views with their frames (plain pictures have none), or the errors of those that cannot be read."""
     if isinstance(source, Recording):
         yield from (_view_of_entry(source, index, max_pixels) for index in range(len(source.entries)))
     else:
@@ -66,9 +66,9 @@ def _view_of_entry(recording: Recording, index: int, max_pixels: int) -> Item:
     except FrameError as error:
         return error
     if frame.up_cam is not None:
-        return make_view(frame, max_pixels), frame.truth
+        return make_view(frame, max_pixels), frame
     view = make_view(replace(frame, up_cam=np.array([0.0, -1.0, 0.0])), max_pixels)
-    return replace(view, elevation=np.full_like(view.elevation, np.nan)), frame.truth
+    return replace(view, elevation=np.full_like(view.elevation, np.nan)), frame
 
 
 def _view_of_picture(path: Path, max_pixels: int) -> Item:

@@ -28,6 +28,8 @@ class RiseRules:
             are no obstacle.
         prior_rad: the frame's floor level counts as much as this much ground of the bearing itself.
         swing: a bearing's floor may lie this much over the frame's floor level, and 3 times below it.
+        knee_rad: the knee is looked for from this much above the alarm to this much below the first rise.
+        knee_factor: the knee is at most this many times farther away than the first rise.
     """
 
     floor_percentile: float = 25.0
@@ -36,6 +38,8 @@ class RiseRules:
     alarm_rad: float = math.radians(1.0)
     prior_rad: float = math.radians(1.0)
     swing: float = 0.5
+    knee_rad: float = math.radians(1.0)
+    knee_factor: float = 1.25
 
 
 def first_contact(obstacle: Mask, seen: Mask, window: int, share: float, unseen_rows: int = 0) -> Rows:
@@ -125,6 +129,35 @@ def first_rise(
         found = use & (total > rules.alarm_rad)
         contact, alarm = np.where(found, start, contact), np.where(found, row, alarm)
     return contact, alarm, floor.astype(np.float32)
+
+
+def knees(logit: Floats, seen: Mask, start: Rows, alarm: Rows, row_step_rad: float, rules: RiseRules) -> Rows:
+    """The row of each sector where the rise really begins, at or above its `start`; -1 stays -1.
+
+    The sum of `first_rise` leaves zero with the first noise in front of an obstacle. The contact is the knee
+    of the broken line, level and then rising, that fits best (Hinkley, JASA 1971).
+
+    Args:
+        logit: of `p_above`.
+        seen: cells that say anything.
+        start: first rows of `first_rise`.
+        alarm: its rows of certainty.
+        row_step_rad: height of a row.
+        rules: where the knee may lie.
+    """
+    rows, margin = np.arange(logit.shape[1]), round(rules.knee_rad / row_step_rad)
+    last, first = (start + margin)[:, None], (alarm - margin)[:, None]
+    window = (seen & (rows >= first) & (rows <= last)).astype(np.float64)
+    rise = np.maximum(0.0, rows[:, None] + 0.5 - rows)  # of a line with its knee at each row
+    count = np.maximum(window.sum(axis=1, keepdims=True), 1.0)
+    value = window * (logit - (window * logit).sum(axis=1, keepdims=True) / count)
+    spread = window @ np.square(rise).T - np.square(window @ rise.T) / count
+    slope = value @ rise.T
+    farthest = np.arctan(np.tan((start + 1) * row_step_rad) / rules.knee_factor) / row_step_rad - 1
+    allowed = (window > 0) & (rows > first) & (rows < last) & (rows <= start[:, None]) & (slope > 0)
+    gain = np.where(allowed & (spread > 1e-9), np.square(slope) / np.maximum(spread, 1e-9), 0.0)
+    best = np.maximum(gain.argmax(axis=1), np.ceil(farthest).astype(np.int64))
+    return np.where((start >= 0) & (gain.max(axis=1) > 0), np.minimum(best, start), start)
 
 
 def connected_to_horizon(obstacle: Mask, seen: Mask, horizon_rows: int) -> Mask:

@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 Floats = NDArray[np.float32]
 
 OPTICAL_AXIS = (0.0, 0.0, 1.0)
+LEVEL_UP = (0.0, -1.0, 0.0)
+STEP_RAD = math.radians(1.25)  # four to an element of 5 degrees of OBSTACLE_DISTANCE
 MIN_ROWS = 2
 
 
@@ -26,7 +28,7 @@ class Bearings:
     """
 
     count: int = 72
-    step_rad: float = math.radians(1.25)
+    step_rad: float = STEP_RAD
 
     @property
     def centres_rad(self) -> Floats:
@@ -108,6 +110,13 @@ def directions_to_polar(
     """
     ahead, right, up = (directions @ axis for axis in level_axes(up_cam, forward_cam))
     return np.arctan2(right, ahead), np.arcsin(np.clip(-up, -1.0, 1.0))
+
+
+def bearings_for(rays: Floats, forward_cam: ArrayLike) -> Bearings:
+    """Sectors of 1.25 degrees, symmetric about straight ahead, that hold all of a level camera's view."""
+    bearing, _ = directions_to_polar(rays, LEVEL_UP, forward_cam)
+    widest = float(np.nanmax(np.abs(bearing)))
+    return Bearings(2 * min(144, math.ceil(widest / STEP_RAD)), STEP_RAD)
 
 
 def pixel_step_rad(directions: Floats) -> float:

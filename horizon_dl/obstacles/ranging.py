@@ -18,6 +18,7 @@ from horizon_dl.obstacles.contact import (
     first_contact,
     first_rise,
     floor_level,
+    knees,
     needed_rise,
 )
 from horizon_dl.obstacles.polar import PolarView
@@ -158,8 +159,11 @@ def free_distances_from_p(
         cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
         logit = np.where(cells, logit, np.minimum(logit, floor[:, None]))
         contact, alarm, _ = first_rise(logit, seen, level, rise, polar.row_step_rad, rules.rise, unseen)
-    # A slow rise leaves the contact in doubt.
-    return _from_contacts(polar, seen, cells, contact, height_m, rules, (contact - alarm) / 2)
+    knee = knees(logit, seen, contact, alarm, polar.row_step_rad, rules.rise)
+    # Without ground in front of it a rise has no knee.
+    knee = np.where(contact < _nearest_rows(seen) - 1, knee, contact)
+    # A slow rise leaves the contact in doubt by all its length.
+    return _from_contacts(polar, seen, cells, knee, height_m, rules, (contact - alarm).astype(np.float32))
 
 
 def p_of_entropy(entropy: float) -> float:

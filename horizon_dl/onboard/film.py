@@ -6,15 +6,12 @@ from pathlib import Path
 import numpy as np
 
 from horizon_dl.errors import FrameError, InputError
-from horizon_dl.frames.frame import Frame, Recording
+from horizon_dl.frames.frame import Recording
 from horizon_dl.frames.loading import load_frame
-from horizon_dl.obstacles.heading import free_heading
-from horizon_dl.onboard.sighting import PictureModel, Sighting
+from horizon_dl.onboard.sighting import PictureModel, model_rays
 from horizon_dl.reporting.colours import Image
-from horizon_dl.reporting.ranges import draw_ranges
+from horizon_dl.reporting.ranged import range_picture
 
-RADIUS_M = 0.3
-NEEDED_M = 2.0
 FASTEST_HZ = 60.0
 
 
@@ -61,15 +58,18 @@ def write_film(path: Path, model: PictureModel, recording: Recording) -> int:
 
 def drawn_frames(model: PictureModel, recording: Recording) -> Iterator[Image]:
     """Every usable frame, drawn at the model's working size (even sides); zero is the optical axis."""
-    sighting = Sighting.of(model, (0.0, 0.0, 0.0), frames=1)
-    height, width = (side - side % 2 for side in sighting.rays.shape[:2])
+    rays = model_rays(model)
+    height, width = (side - side % 2 for side in rays.shape[:2])
     for index in range(len(recording.entries)):
         try:
             frame = load_frame(recording, index)
         except FrameError:
             continue
         if frame.up_cam is not None:
-            yield _drawn(sighting, frame)[:height, :width]
+            p_above = model.predict(frame.image, frame.up_cam).p_above
+            drawn = range_picture(frame, rays, p_above, model.threshold)
+            if drawn is not None:
+                yield drawn[:height, :width]
 
 
 def frames_per_second(recording: Recording) -> float:
@@ -77,10 +77,3 @@ def frames_per_second(recording: Recording) -> float:
     times = np.array([entry.time_s for entry in recording.entries])
     period_s = float(np.median(np.diff(times))) if len(times) > 1 else 0.1
     return min(FASTEST_HZ, 1.0 / period_s) if period_s > 0 else 10.0
-
-
-def _drawn(sighting: Sighting, frame: Frame) -> Image:
-    assert frame.up_cam is not None
-    found = sighting.look(frame.time_s, frame.image, frame.up_cam, 0.0, frame.height_m)
-    heading = free_heading(found, 0.0, RADIUS_M, NEEDED_M)
-    return draw_ranges(frame.image, sighting.rays, frame.up_cam, found, heading)

@@ -32,12 +32,14 @@ class Picture:
         image: (H, W, 3) uint8 RGB, upright.
         up_cam: (3,) as recorded, or None: the autopilot's attitude is asked for.
         height_m: as recorded, or None.
+        floor_up_cam: (3,) the floor's normal where it is known to differ from `up_cam`, as under a car.
     """
 
     time_s: float
     image: NDArray[np.uint8]
     up_cam: NDArray[np.float64] | None = None
     height_m: float | None = None
+    floor_up_cam: NDArray[np.float64] | None = None
 
 
 def replay(
@@ -69,7 +71,7 @@ def replay(
             due_s = start_s + (taken_s - times[0]) / speed
             wait(max(0.0, due_s - clock()))
             # The time at which it was taken, however late it was read: that time's attitude belongs to it.
-            yield Picture(due_s, frame.image, frame.up_cam, frame.height_m)
+            yield Picture(due_s, frame.image, frame.up_cam, frame.height_m, frame.floor_up_cam)
         if not loop:
             return
         start_s += (times[-1] - times[0] + gap_s) / speed
@@ -80,9 +82,17 @@ def capture(
     clock: Clock,
     *,
     rotate_quarter_turns_ccw: int = 0,
+    delay_s: float = 0.0,
     wait: Callable[[float], object] = time.sleep,
 ) -> Iterator[Picture]:
     """Pictures of a camera (`camera:0`), a stream's address, or a video file at its own rate, by OpenCV.
+
+    Args:
+        source: see above.
+        clock: monotonic seconds.
+        rotate_quarter_turns_ccw: how pictures are turned to be upright.
+        delay_s: from exposure to arrival; the pictures' times are their arrivals' minus this.
+        wait: sleeps for some seconds.
 
     Raises:
         InputError: OpenCV cannot open it.
@@ -106,7 +116,7 @@ def capture(
             wait(max(0.0, due_s - clock()))
             due_s += period_s
             rgb = np.rot90(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), rotate_quarter_turns_ccw)
-            yield Picture(clock(), np.ascontiguousarray(rgb))
+            yield Picture(clock() - delay_s, np.ascontiguousarray(rgb))
     finally:
         opened.release()
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.frames.frame import Recording
@@ -15,8 +15,10 @@ from horizon_dl.frames.loading import load_frame, load_rgb
 from horizon_dl.frames.source import Source
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.onboard.model import ObstacleModel, Outputs
+from horizon_dl.onboard.sighting import model_rays
 from horizon_dl.reporting.colours import Image
 from horizon_dl.reporting.panels import PanelRow, frame_panel
+from horizon_dl.reporting.ranged import range_picture
 
 
 @dataclass(frozen=True)
@@ -28,12 +30,14 @@ class FileOutputs:
         image: (H, W, 3) uint8 RGB.
         outputs: of the model.
         truth: (H, W) uint8, or None.
+        ranges: distances per bearing, drawn; None without attitude or height.
     """
 
     name: str
     image: NDArray[np.uint8]
     outputs: Outputs
     truth: NDArray[np.uint8] | None = None
+    ranges: Image | None = None
 
     def arrays(self) -> dict[str, Any]:
         """All maps by name at the working size, the float ones as float16, as a run folder gives them."""
@@ -53,9 +57,9 @@ class FileOutputs:
         return self.outputs.obstacles[np.ix_(rows, columns)]
 
     def panel(self) -> Image:
-        """Image, classification, uncertainty and obstacle map; truth where there is one."""
+        """Image, classification, uncertainty, obstacle map; distances and truth where there are any."""
         found = self.outputs
-        row = PanelRow("", found.p_above, found.entropy, self.small_obstacles())
+        row = PanelRow("", found.p_above, found.entropy, self.small_obstacles(), ranges=self.ranges)
         return frame_panel(self.image, found.elevation, [row], self.truth, title=self.name)
 
 
@@ -67,7 +71,8 @@ def predict_source(model: ObstacleModel, source: Source) -> Iterator[FileOutputs
     """
     if isinstance(source, Recording):
         check_camera(model, source)
-        yield from (_of_entry(model, source, index) for index in range(len(source.entries)))
+        rays = model_rays(model)
+        yield from (_of_entry(model, rays, source, index) for index in range(len(source.entries)))
     else:
         yield from (_of_picture(model, path) for path in source)
 
@@ -105,12 +110,18 @@ def _size(camera: Camera) -> str:
     return f"{camera.width}x{camera.height}"
 
 
-def _of_entry(model: ObstacleModel, recording: Recording, index: int) -> FileOutputs | FrameError:
+def _of_entry(
+    model: ObstacleModel, rays: NDArray[np.float32], recording: Recording, index: int
+) -> FileOutputs | FrameError:
     try:
         frame = load_frame(recording, index)
     except FrameError as error:
         return error
-    return _outputs(model, frame.name, frame.image, frame.up_cam, frame.truth)
+    found = model.predict(frame.image, frame.up_cam)
+    ranges = None
+    if frame.height_m is not None:
+        ranges = range_picture(frame, rays, found.p_above, model.threshold)
+    return FileOutputs(frame.name, frame.image, found, frame.truth, ranges)
 
 
 def _of_picture(model: ObstacleModel, path: Path) -> FileOutputs | FrameError:
@@ -121,14 +132,4 @@ def _of_picture(model: ObstacleModel, path: Path) -> FileOutputs | FrameError:
     if image.shape[:2] != (model.camera.height, model.camera.width):
         problem = f"is {image.shape[1]}x{image.shape[0]} pixels, the model takes {_size(model.camera)}"
         return FrameError(path, problem, "export for this size with `horizon-dl export RUN --size`")
-    return _outputs(model, path.name, image, None, None)
-
-
-def _outputs(
-    model: ObstacleModel,
-    name: str,
-    image: NDArray[np.uint8],
-    up_cam: ArrayLike | None,
-    truth: NDArray[np.uint8] | None,
-) -> FileOutputs:
-    return FileOutputs(name, image, model.predict(image, up_cam), truth)
+    return FileOutputs(path.name, image, model.predict(image, None))

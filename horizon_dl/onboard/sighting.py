@@ -1,6 +1,5 @@
 """From one picture and its attitude to sectors: the model, ranging and the temporal filter."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -10,12 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.obstacles.polar import Bearings, directions_to_polar, polar_view
+from horizon_dl.obstacles.polar import Bearings, bearings_for, polar_view
 from horizon_dl.obstacles.ranging import FreeDistances, free_distances_from_p, no_distances, p_of_entropy
 from horizon_dl.obstacles.temporal import SectorFilter
-
-STEP_RAD = math.radians(1.25)  # four to an element of 5 degrees
-LEVEL_UP = (0.0, -1.0, 0.0)
 
 
 class PictureModel(Protocol):
@@ -43,13 +39,6 @@ def model_rays(model: PictureModel) -> NDArray[np.float32]:
 def forward_in_camera(mount_rpy_rad: Sequence[float]) -> NDArray[np.float64]:
     """(3,) the body's forward axis in the optical frame."""
     return np.asarray(OPTICAL_FROM_FRD @ rotation_from_rpy(*mount_rpy_rad).T @ [1.0, 0.0, 0.0])
-
-
-def bearings_for(rays: NDArray[np.float32], forward_cam: ArrayLike) -> Bearings:
-    """Sectors of 1.25 degrees, symmetric about straight ahead, that hold all of a level camera's view."""
-    bearing, _ = directions_to_polar(rays, LEVEL_UP, forward_cam)
-    widest = float(np.nanmax(np.abs(bearing)))
-    return Bearings(2 * min(144, math.ceil(widest / STEP_RAD)), STEP_RAD)
 
 
 @dataclass
@@ -89,6 +78,7 @@ class Sighting:
         up_cam: NDArray[np.float64],
         yaw_rad: float,
         height_m: float | None,
+        floor_up_cam: NDArray[np.float64] | None = None,
     ) -> FreeDistances:
         """Sectors of one picture, joined with those before.
 
@@ -98,10 +88,12 @@ class Sighting:
             up_cam: (3,) unit, the world's up in the optical frame.
             yaw_rad: of the body; only differences between pictures count.
             height_m: of the camera over the floor, or None: bearings only.
+            floor_up_cam: (3,) the floor's normal where it differs from `up_cam`.
         """
         p_above = self.model.predict(image, up_cam).p_above
+        floor = up_cam if floor_up_cam is None else floor_up_cam
         try:
-            polar = polar_view(self.rays, up_cam, self.forward_cam, self.bearings)
+            polar = polar_view(self.rays, floor, self.forward_cam, self.bearings)
         except ValueError:  # the body points straight up or down: no bearing means anything
             return self.unknown()
         found = free_distances_from_p(

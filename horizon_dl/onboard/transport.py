@@ -37,6 +37,25 @@ class Transport(Protocol):
         """Let go of the line."""
 
 
+def _datagram(line: socket.socket, timeout_s: float) -> tuple[bytes, Peer]:
+    """The next datagram and its sender; nothing after the timeout, or where nobody is there yet."""
+    try:
+        if select.select([line], [], [], timeout_s)[0]:
+            content, (host, port) = line.recvfrom(LARGEST_DATAGRAM)
+            return content, (host, port)
+    except (OSError, ValueError):  # refused, or closed meanwhile
+        time.sleep(min(timeout_s, 0.05))
+    return b"", None
+
+
+def _has_left(line: socket.socket, content: bytes, address: Peer = None) -> bool:
+    try:
+        sent = line.send(content) if address is None else line.sendto(content, address)
+        return sent == len(content)
+    except OSError:
+        return False
+
+
 class UdpOut:
     """UDP to one fixed address; the system drops what comes from others."""
 
@@ -48,14 +67,7 @@ class UdpOut:
 
     def receive(self, timeout_s: float) -> tuple[bytes, Peer]:
         """See `Transport`."""
-        try:
-            if select.select([self._socket], [], [], timeout_s)[0]:
-                return self._socket.recv(LARGEST_DATAGRAM), None
-        except ConnectionRefusedError:  # nobody there yet
-            time.sleep(min(timeout_s, 0.05))
-        except (OSError, ValueError):  # closed meanwhile
-            time.sleep(min(timeout_s, 0.05))
-        return b"", None
+        return _datagram(self._socket, timeout_s)[0], None
 
     def accept(self, peer: Peer) -> bool:
         """See `Transport`."""
@@ -63,10 +75,7 @@ class UdpOut:
 
     def send(self, content: bytes) -> bool:
         """See `Transport`."""
-        try:
-            return self._socket.send(content) == len(content)
-        except OSError:
-            return False
+        return _has_left(self._socket, content)
 
     def close(self) -> None:
         """See `Transport`."""
@@ -92,13 +101,7 @@ class UdpIn:
 
     def receive(self, timeout_s: float) -> tuple[bytes, Peer]:
         """See `Transport`."""
-        try:
-            if select.select([self._socket], [], [], timeout_s)[0]:
-                content, (host, port) = self._socket.recvfrom(LARGEST_DATAGRAM)
-                return content, (host, port)
-        except (OSError, ValueError):
-            time.sleep(min(timeout_s, 0.05))
-        return b"", None
+        return _datagram(self._socket, timeout_s)
 
     def accept(self, peer: Peer) -> bool:
         """See `Transport`."""
@@ -112,12 +115,7 @@ class UdpIn:
 
     def send(self, content: bytes) -> bool:
         """See `Transport`."""
-        if self._peer is None:
-            return False
-        try:
-            return self._socket.sendto(content, self._peer) == len(content)
-        except OSError:
-            return False
+        return self._peer is not None and _has_left(self._socket, content, self._peer)
 
     def close(self) -> None:
         """See `Transport`."""

@@ -60,6 +60,10 @@ class Cells:
         """The image itself."""
         return draw_horizon(self.image, self.elevation)
 
+    def picture(self, drawn: Image) -> Image:
+        """A picture of any size that is drawn already."""
+        return resize_image(drawn, self.width, self.height)
+
     def map(self, values: Floats, table: str) -> Image:
         """Values in [0, 1], any size, through the colour map `sides` or `uncertainty`."""
         coloured = colour_map(resize_map(values, self.width, self.height), table)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.evaluation.calibration import Reliability
 from horizon_dl.output import write_bytes
 
 if TYPE_CHECKING:
@@ -151,12 +152,9 @@ def reliability(
     Returns:
         Three arrays (bins,); the first two NaN where a bin is empty.
     """
-    index = np.minimum((p_above * bins).astype(np.int64), bins - 1)
-    counts = np.bincount(index, minlength=bins)
-    with np.errstate(invalid="ignore"):
-        predicted = np.bincount(index, weights=p_above, minlength=bins) / counts
-        observed = np.bincount(index, weights=above.astype(np.float64), minlength=bins) / counts
-    return predicted, observed, counts.astype(np.int64)
+    found = Reliability(bins)
+    found.add(p_above, above)
+    return found.curve()
 
 
 def reliability_figure(lines: Mapping[str, tuple[Floats, Floats]], title: str = "") -> "Figure":

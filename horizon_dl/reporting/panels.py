@@ -16,6 +16,8 @@ from horizon_dl.reporting.text import SOFT, paste, shorten, text_image
 
 Floats = NDArray[np.floating]
 
+RANGES_TITLE = "distance per bearing (m), heading"
+
 _MARGIN = 14
 _GAP = 10
 _TITLE_PX = 15
@@ -37,6 +39,7 @@ class PanelRow:
         uncertainty: score in [0, 1], such as the entropy in bits, or None.
         obstacles: the obstacle map, or None.
         uncertainty_title: which score it is.
+        ranges: of `range_picture`, any size of the image's aspect, or None.
     """
 
     name: str
@@ -44,6 +47,7 @@ class PanelRow:
     uncertainty: Floats | None = None
     obstacles: NDArray[np.bool_] | None = None
     uncertainty_title: str = "uncertainty (entropy)"
+    ranges: Image | None = None
 
 
 def _row_cells(cells: Cells, row: PanelRow) -> list[_Cell]:
@@ -54,6 +58,8 @@ def _row_cells(cells: Cells, row: PanelRow) -> list[_Cell]:
         drawn.append((row.uncertainty_title, cells.map(row.uncertainty, "uncertainty")))
     if row.obstacles is not None:
         drawn.append(("obstacle map", cells.obstacles(row.obstacles)))
+    if row.ranges is not None:
+        drawn.append((RANGES_TITLE, cells.picture(row.ranges)))
     return drawn
 
 

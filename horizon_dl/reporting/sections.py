@@ -100,6 +100,12 @@ GLOSSARY = Pairs(
             "obstacles do, scores high.",
         ),
         ("surprisal", "How surprising a pixel's appearance is on the side where it really lies, in bits."),
+        (
+            "distance per bearing",
+            "Metres along a flat floor to the first obstacle of each direction, from the camera's height: "
+            "contacts from red (near) to yellow (far), free ground green, the free heading nearest to "
+            "straight ahead blue.",
+        ),
         ("mutual information", "The part of the entropy that more training could remove: novelty."),
         (
             "AUC",
