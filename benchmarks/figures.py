@@ -1,54 +1,43 @@
-"""The README's figures from scratch: every set, every method, three seeds, and the ablations.
+"""The README's figures from scratch: all sets, all methods, three seeds, ablations, and what dropout buys.
 
     HORIZON_DL_DATA=DIR python benchmarks/figures.py --out figures
 
-Takes about an hour on 2 cores. Writes figures.md and figures.json with seeds, versions and machine. DIR holds
-data sets, one a folder; the embedded set is added.
+Takes under an hour on 2 cores, one process with one thread on each. Writes figures.md and figures.json with
+seeds, versions and machine. DIR holds data sets, one a folder; the embedded set is added.
 """
 
 import argparse
+import multiprocessing
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from horizon_dl.config import Config, load_config
-from horizon_dl.evaluation.compare import compare, score_frames, split_recording
-from horizon_dl.evaluation.learners import NetMethod
-from horizon_dl.evaluation.metrics import method_metrics
-from horizon_dl.evaluation.tally import Tally
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Recording
-from horizon_dl.learning.store import FrameStore
-from horizon_dl.learning.train import train_net
+from ablations import ABLATIONS, ablation_figures, ablation_markdown
+from dropout_table import dropout_figures, dropout_markdown
+from methods import methods_figures, methods_markdown, second_truth_markdown
+from nets import set_names
+from novelty import novelty_figures, novelty_markdown
+from shade import shade_figures, shade_markdown
+
 from horizon_dl.output import output_folder, write_json, write_text
 from horizon_dl.provenance import machine, versions
-from horizon_dl.reporting.table import format_markdown
-from horizon_dl.simulation.embedded import embedded_set
 
-SETS = ("arena", "corridor", "hallway", "kitti")
-
-
-@dataclass(frozen=True)
-class Ablation:
-    """The default with some values changed."""
-
-    name: str
-    overrides: tuple[str, ...]
+PARTS = ("methods", "ablations", "dropout", "novelty", "shade")
+SHADED_SET = "kitti"
 
 
-ABLATIONS = (
-    Ablation("default", ()),
-    Ablation("hard labels", ("target.kind=hard", "train.rounds=[350]")),
-    Ablation("guided targets", ("target.kind=guided", "train.rounds=[350]")),
-    Ablation("geodesic, image edges only (one round)", ("train.rounds=[350]",)),
-    Ablation("no dropout in training", ("model.dropout=0.0",)),
-    Ablation("dropout 0.5", ("model.dropout=0.5",)),
-    Ablation("crops of 64", ("train.crop=64", "train.batch=36")),
-    Ablation("half as wide", ("model.channels=16",)),
-    Ablation("ResNet-18 encoder, random weights", ("model.kind=resnet18",)),
-)
+class Job(NamedTuple):
+    """A piece of work for one process; its result goes to `found[part][key 1][key 2] ...`."""
+
+    part: str
+    keys: tuple[str, ...]
+    function: Callable[..., Any]
+    arguments: tuple[Any, ...]
 
 
 def main() -> None:
@@ -57,74 +46,88 @@ def main() -> None:
     )
     parser.add_argument("--out", type=Path, default=Path("figures"))
     parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--only", choices=("methods", "ablations"), help="one half of the tables")
+    parser.add_argument("--only", choices=PARTS, help="one part")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--sets", nargs="+", choices=set_names(), default=set_names())
     arguments = parser.parse_args()
-    recordings = {"embedded": open_recording(embedded_set())}
-    folder = Path(os.environ["HORIZON_DL_DATA"])
-    recordings |= {name: open_recording(folder / name) for name in SETS if (folder / name).is_dir()}
-    seeds = range(arguments.seeds)
-    found: dict[str, Any] = {"seeds": list(seeds), "versions": versions(), "machine": machine()}
-    if arguments.only != "ablations":
-        found["methods"] = {name: all_methods(recording, seeds) for name, recording in recordings.items()}
-    if arguments.only != "methods":
-        found["ablations"] = {
-            ablation.name: {
-                name: ablated(recording, ablation, seeds) for name, recording in recordings.items()
-            }
-            for ablation in ABLATIONS
-        }
+    parts = (arguments.only,) if arguments.only else PARTS
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as nets:
+        jobs = list(jobs_of(parts, arguments.sets, range(arguments.seeds), Path(nets)))
+        found = results(jobs, arguments.processes)
+    found |= {"seeds": list(range(arguments.seeds)), "versions": versions(), "machine": machine()}
+    found["seconds"] = round(time.perf_counter() - start)
     with output_folder(arguments.out) as out:
         write_json(out / "figures.json", found)
         write_text(out / "figures.md", as_markdown(found))
     print(as_markdown(found))
 
 
-def all_methods(recording: Recording, seeds: Sequence[int]) -> dict[str, Any]:
-    """The blocks of `metrics.json`, protocol labelled-out."""
-    metrics = compare(recording, load_config(), "labelled-out", seeds, progress=True).metrics
-    methods: dict[str, Any] = metrics["methods"]
-    return methods
+def jobs_of(parts: Sequence[str], sets: Sequence[str], seeds: range, nets: Path) -> Iterator[Job]:
+    """All jobs, those of one set together: a process keeps the views of the set it had last.
+
+    Novelty is last: it takes the nets that the dropout table has trained. Both want one seed only.
+    """
+    for name in sets:
+        if "methods" in parts:
+            yield Job("methods", (name,), methods_figures, (name, seeds))
+        if "dropout" in parts:
+            yield Job("dropout", (name,), dropout_figures, (name, seeds[:1], nets))
+        if "ablations" in parts:
+            for ablation in ABLATIONS:
+                yield Job("ablations", (ablation, name), ablation_figures, (name, ablation, seeds, nets))
+        if "shade" in parts and name == SHADED_SET:
+            yield Job("shade", (name,), shade_figures, (name, seeds, nets))
+    if "novelty" in parts:
+        for name in sets:
+            yield Job("novelty", (name,), novelty_figures, (name, seeds[:1], nets))
 
 
-def ablated(recording: Recording, ablation: Ablation, seeds: Sequence[int]) -> dict[str, Any]:
-    """The net's block under changed values."""
-    config = load_config(None, ablation.overrides)
-    return method_metrics([_net_tally(recording, config, seed) for seed in seeds], "none")
+def results(jobs: Sequence[Job], processes: int) -> dict[str, Any]:
+    """Do all jobs, `processes` at a time with one thread each."""
+    os.environ["OMP_NUM_THREADS"] = "1"  # read by the processes when they import torch
+    found: dict[str, Any] = {}
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(processes, mp_context=context) as pool:
+        waiting: dict[Future[Any], Job] = {pool.submit(job.function, *job.arguments): job for job in jobs}
+        for number, done in enumerate(as_completed(waiting), 1):
+            job = waiting[done]
+            place = found.setdefault(job.part, {})
+            for key in job.keys[:-1]:
+                place = place.setdefault(key, {})
+            place[job.keys[-1]] = done.result()
+            print(f"{number} of {len(jobs)}: {job.part} {' '.join(job.keys)}", file=sys.stderr)
+    return {job.part: _in_order(found, jobs, job.part) for job in jobs}
 
 
-def _net_tally(recording: Recording, config: Config, seed: int) -> Tally:
-    split = split_recording(recording, "labelled-out")
-    store = FrameStore(recording, config)
-    net = train_net(store, split.train, seed=seed)
-    return score_frames({"cnn": NetMethod(net)}, {}, store.frames(split.test), config.labels.band_rad)["cnn"]
+def _in_order(found: dict[str, Any], jobs: Sequence[Job], part: str) -> dict[str, Any]:
+    """A part's results in the order of its jobs, not in that of their ends."""
+    ordered: dict[str, Any] = {}
+    for job in jobs:
+        if job.part == part:
+            place, source = ordered, found[part]
+            for key in job.keys[:-1]:
+                place, source = place.setdefault(key, {}), source[key]
+            place[job.keys[-1]] = source[job.keys[-1]]
+    return ordered
 
 
 def as_markdown(found: dict[str, Any]) -> str:
-    """Both tables; every cell is the pooled AUC / the AUC within depression bands."""
+    """All tables that there are figures for."""
     blocks = []
     if "methods" in found:
-        sets = list(found["methods"])
-        rows = [
-            [f"{method}, {score}", *(cell(found["methods"][name][method]["scores"][score]) for name in sets)]
-            for method, block in found["methods"][sets[0]].items()
-            for score in block["scores"]
-        ]
-        blocks.append(format_markdown(["method, score", *sets], rows))
+        blocks += [methods_markdown(found["methods"]), second_truth_markdown(found["methods"])]
     if "ablations" in found:
-        sets = list(next(iter(found["ablations"].values())))
-        rows = [
-            [name, *(cell(by_set[one]["scores"]["entropy"]) for one in sets)]
-            for name, by_set in found["ablations"].items()
-        ]
-        blocks.append(format_markdown(["ablation, entropy", *sets], rows))
-    blocks.append(f"Seeds {found['seeds']}; {', '.join(map(str, found['machine'].values()))}.")
-    return "\n\n".join(blocks) + "\n"
-
-
-def cell(figures: dict[str, float]) -> str:
-    """Pooled / within, and the larger of their spreads over the seeds."""
-    spread = max(figures["auc_sd"], figures["auc_within_depression_sd"])
-    return f"{figures['auc']:.3f} / {figures['auc_within_depression']:.3f} (±{spread:.3f})"
+        blocks.append(ablation_markdown(found["ablations"], found.get("methods")))
+    for part, markdown in (
+        ("dropout", dropout_markdown),
+        ("novelty", novelty_markdown),
+        ("shade", shade_markdown),
+    ):
+        if part in found:
+            blocks.append(f"## {part.capitalize()}\n\n{markdown(found[part])}")
+    made = f"Seeds {found['seeds']}; {', '.join(map(str, found['machine'].values()))}; {found['seconds']} s."
+    return "\n\n".join([*blocks, made]) + "\n"
 
 
 if __name__ == "__main__":

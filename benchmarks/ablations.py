@@ -1,0 +1,40 @@
+"""The default with some values changed, one row each."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from methods import cell
+from nets import scored, trained_net
+
+from horizon_dl.evaluation.learners import NetMethod
+from horizon_dl.evaluation.metrics import method_metrics
+from horizon_dl.reporting.table import format_markdown
+
+ABLATIONS: dict[str, tuple[str, ...]] = {
+    "hard labels": ("target.kind=hard", "train.rounds=[350]"),
+    "guided targets": ("target.kind=guided", "train.rounds=[350]"),
+    "geodesic, image edges only (one round)": ("train.rounds=[350]",),
+    "no dropout in training": ("model.dropout=0.0",),
+    "dropout 0.5": ("model.dropout=0.5",),
+    "crops of 64": ("train.crop=64", "train.batch=36"),
+    "half as wide": ("model.channels=16",),
+    "ResNet-18 encoder, random weights": ("model.kind=resnet18",),
+}
+
+
+def ablation_figures(name: str, ablation: str, seeds: Sequence[int], folder: Path) -> dict[str, Any]:
+    """The net's block under changed values."""
+    nets = [trained_net(folder, name, seed, ABLATIONS[ablation]) for seed in seeds]
+    return method_metrics([scored(name, {"cnn": NetMethod(net)})["cnn"] for net in nets], "none")
+
+
+def ablation_markdown(found: Mapping[str, Any], methods: Mapping[str, Any] | None) -> str:
+    """The net's entropy, the default first where the methods were measured, too."""
+    sets = list(next(iter(found.values())))
+    rows = [
+        [name, *(cell(by_set[one]["scores"]["entropy"]) for one in sets)] for name, by_set in found.items()
+    ]
+    if methods:
+        rows.insert(0, ["default", *(cell(methods[one]["cnn"]["scores"]["entropy"]) for one in sets)])
+    return f"## Ablations\n\n{format_markdown(['ablation, entropy', *sets], rows)}"

@@ -1,0 +1,108 @@
+"""Sets by name, views that stay in memory, and nets that are trained once for all tables."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from unittest.mock import patch
+
+from places import AS_SHIPPED, place_dropout
+from safetensors.torch import load_file, save_file
+
+from horizon_dl.config import Config, ModelConfig, load_config
+from horizon_dl.errors import FrameError
+from horizon_dl.evaluation.compare import split_recording
+from horizon_dl.evaluation.learners import Method
+from horizon_dl.evaluation.scoring import read_frame, tally_readings
+from horizon_dl.evaluation.second_truth import SecondTruth
+from horizon_dl.evaluation.tally import Tally
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.frames.frame import Recording
+from horizon_dl.geometry.view import View
+from horizon_dl.learning.store import FrameStore
+from horizon_dl.learning.train import train_net
+from horizon_dl.models.build import build_net
+from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.simulation.embedded import embedded_set
+
+REAL_SETS = ("arena", "corridor", "hallway", "kitti")
+
+
+def set_names() -> list[str]:
+    """The embedded set, and those of the real ones that lie below HORIZON_DL_DATA."""
+    folder = Path(os.environ.get("HORIZON_DL_DATA", "."))
+    return ["embedded", *(name for name in REAL_SETS if (folder / name).is_dir())]
+
+
+def open_set(name: str) -> Recording:
+    """A recording by its name in the tables."""
+    return open_recording(
+        embedded_set() if name == "embedded" else Path(os.environ["HORIZON_DL_DATA"]) / name
+    )
+
+
+class KeptStore(FrameStore):
+    """A store that keeps its views: one recording is learned from many times."""
+
+    def __init__(self, recording: Recording, config: Config, kept: dict[int, View | FrameError]) -> None:
+        super().__init__(recording, config)
+        self._kept = kept
+
+    def views(self, indices: Iterable[int]) -> Iterator[View]:
+        """The usable views among `indices`, each read once."""
+        return self.usable((index, self._view(index)) for index in indices)
+
+    def _view(self, index: int) -> View | FrameError:
+        if index not in self._kept:
+            found = self.read(index)
+            self._kept[index] = found if isinstance(found, FrameError) else found[1]
+        return self._kept[index]
+
+
+def store_of(name: str, overrides: Sequence[str] = ()) -> KeptStore:
+    """A set's store; the views of the set used last stay in memory."""
+    recording, kept = _opened(name)
+    return KeptStore(recording, load_config(None, overrides), kept)
+
+
+@lru_cache(maxsize=1)
+def _opened(name: str) -> tuple[Recording, dict[int, View | FrameError]]:
+    return open_set(name), {}
+
+
+def scored(name: str, methods: Mapping[str, Method]) -> dict[str, Tally]:
+    """Score methods on the test frames of a set, protocol labelled-out."""
+    store = store_of(name)
+    test = split_recording(store.recording, "labelled-out").test
+    readings = (read_frame(methods, frame, view) for frame, view in store.frames(test))
+    return tally_readings(readings, {}, store.config.labels.band_rad, SecondTruth(store.recording))
+
+
+def trained_net(
+    folder: Path, name: str, seed: int, overrides: Sequence[str] = (), place: str = AS_SHIPPED
+) -> HorizonFCN:
+    """A net trained on a set by the protocol labelled-out, from `folder` if it was trained before.
+
+    Args:
+        folder: where the nets are kept.
+        name: of the set.
+        seed: of the training.
+        overrides: on top of the default config.
+        place: where the net has its dropout, see `places`.
+    """
+
+    def build(config: ModelConfig) -> HorizonFCN:
+        return place_dropout(build_net(config), place)
+
+    store = store_of(name, overrides)
+    path = folder / f"{'_'.join([name, str(seed), place, *overrides]).replace('/', '_')}.safetensors"
+    if path.exists():
+        net = build(store.config.model)
+        net.load_state_dict(load_file(path))
+        return net.eval()
+    with patch("horizon_dl.learning.train.build_net", build):
+        net = train_net(store, split_recording(store.recording, "labelled-out").train, seed=seed)
+    beside = path.with_suffix(f".{os.getpid()}.part")
+    save_file(net.state_dict(), beside)
+    beside.replace(path)
+    return net
