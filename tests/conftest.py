@@ -16,3 +16,13 @@ def data_dir() -> Path:
     if not folder:
         pytest.skip("HORIZON_DL_DATA is not set")
     return Path(folder)
+
+
+@pytest.fixture(scope="session")
+def model():
+    """The export of the small run, loaded."""
+    from small_run import model_file
+
+    from horizon_dl.onboard.model import ObstacleModel
+
+    return ObstacleModel.load(model_file())

@@ -22,9 +22,18 @@ from horizon_dl.models.fcn import enlarge
 from horizon_dl.uncertainty.dropout import image_tensor, sample_p_above
 from horizon_dl.uncertainty.measures import binary_entropy
 
+REAL_SETS = (
+    "kitti/2011_09_26/2011_09_26_drive_0052_sync",
+    "arena",
+    "corridor",
+    "hallway",
+    "tum_sample",
+    "euroc_sample",
+)
 SETTINGS = {
     "image": {"max_pixels": 5000},  # below the toy's 6912, so that the graph has to resize
     "model": {"samples": 12},
+    "forest": {"training_pixels": 20_000},
 }
 STEPS = 60
 

@@ -27,11 +27,6 @@ SAME = ("entropy", "surprisal", "fused")
 """Scores that file and run share to rounding; the mutual information is that of the net's coarse grid."""
 
 
-@pytest.fixture(scope="module")
-def model() -> ObstacleModel:
-    return ObstacleModel.load(model_file())
-
-
 def refusal(path) -> str:
     with pytest.raises(InputError) as error:
         ObstacleModel.load(path)

@@ -8,33 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from small_run import fresh_run, model_file, toy_frames
+from small_run import REAL_SETS, fresh_run, model_file, toy_frames
 
 from horizon_dl.export.export import export_run, parity_frames
 from horizon_dl.export.parity import TOLERANCE, obstacle_differences
 from horizon_dl.frames.formats import open_recording
 from horizon_dl.geometry.view import make_view
-from horizon_dl.onboard.model import ObstacleModel
 from horizon_dl.uncertainty.summary import net_measures
 
 EXPORTS = Path(__file__).parent.parent / "exports"
-SETS = (
-    "kitti/2011_09_26/2011_09_26_drive_0052_sync",
-    "arena",
-    "corridor",
-    "hallway",
-    "tum_sample",
-    "euroc_sample",
-)
-
-
-@pytest.fixture(scope="module")
-def model() -> ObstacleModel:
-    return ObstacleModel.load(model_file())
 
 
 @pytest.mark.real_data
-@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("name", REAL_SETS)
 def test_openvino_says_the_same_on_real_frames(data_dir, tmp_path, name):
     openvino = pytest.importorskip("openvino")
     recording = open_recording(data_dir / name)

@@ -5,9 +5,11 @@
   horizon-dl export RUN --out DIR --camera DATA       for the camera of another data set
   horizon-dl export RUN --out DIR --size 320x240      also for images resized to that size (repeatable)
   horizon-dl export RUN --out DIR --data DATA --int8  also in whole numbers, with what that costs and gains
+  horizon-dl export RUN --out DIR --forest DATA       also the paper's forest, fitted on DATA, for comparison
 
-DIR then holds model.onnx, card.json and parity.json; further sizes are model-WxH.onnx. The file takes the
-camera's image and attitude and gives probability, uncertainties and the obstacle map.
+DIR then holds model.onnx, card.json and parity.json; further sizes are model-WxH.onnx, the forest is
+forest.onnx. A file takes the camera's image and attitude and gives probability, uncertainties and the
+obstacle map. The forest's file is used like the net's; it takes many times as long, and its card says so.
 """
 
 import argparse
@@ -17,6 +19,7 @@ from typing import TYPE_CHECKING
 from horizon_dl.cli.options import add_out
 
 if TYPE_CHECKING:
+    from horizon_dl.config import Config
     from horizon_dl.export.export import Exported
     from horizon_dl.frames.frame import Recording
     from horizon_dl.geometry.camera import Camera
@@ -32,6 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--size", type=image_size, metavar="WxH", action="append", default=[], help="a further image size"
     )
     parser.add_argument("--int8", action="store_true", help="also write model-int8.onnx (needs --data)")
+    parser.add_argument(
+        "--forest", type=Path, metavar="DATA", help="fit the forest on this set, too, and write forest.onnx"
+    )
     parser.add_argument("--format", metavar="NAME", help="format of DATA (recognised if left out)")
 
 
@@ -64,6 +70,9 @@ def run(arguments: argparse.Namespace) -> None:
         raise InputError(
             arguments.data, "has another camera than the file would", "add --camera with that set"
         )
+    forest_data = open_recording(arguments.forest, arguments.format) if arguments.forest else None
+    if data and forest_data and not same_camera(data.camera, forest_data.camera):
+        raise InputError(arguments.forest, "has another camera than --data", "leave --data away")
     with output_folder(arguments.out) as folder:
         exported = export_run(trained, camera, parity_frames(data) if data else ())
         exported = _measured(exported, data)
@@ -71,6 +80,8 @@ def run(arguments: argparse.Namespace) -> None:
         _say(exported)
         if arguments.int8 and data:
             _write_int8(folder, exported, data)
+        if forest_data:
+            _write_forest(folder, exported, forest_data, trained.config, data)
         for width, height in arguments.size:
             export_run(trained, _resized(camera, width, height)).write(folder, f"model-{width}x{height}")
     print(f"wrote {arguments.out}; next: horizon-dl benchmark {arguments.out / 'model.onnx'}")
@@ -90,6 +101,17 @@ def _write_int8(folder: Path, exported: "Exported", data: "Recording") -> None:
 
     for line in write_int8(folder, exported, data):
         print(line)
+
+
+def _write_forest(
+    folder: Path, net: "Exported", recording: "Recording", config: "Config", data: "Recording | None"
+) -> None:
+    from horizon_dl.export.forest import cost_line, export_forest, with_cost
+
+    forest = with_cost(_measured(export_forest(recording, config), data), net)
+    forest.write(folder, "forest")
+    _say(forest)
+    print(cost_line(forest.card["cost"]))
 
 
 def _resized(camera: "Camera", width: int, height: int) -> "Camera":

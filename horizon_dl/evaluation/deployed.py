@@ -54,6 +54,11 @@ class FileRun:
     info: dict[str, Any]
 
     @property
+    def learner(self) -> str:
+        """`cnn` or `rf`, as in `metrics.json`."""
+        return str(self.model.card.get("learner", "cnn"))
+
+    @property
     def threshold(self) -> float:
         """Entropy above which a pixel counts as obstacle, bits."""
         return self.model.threshold

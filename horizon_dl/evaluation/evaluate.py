@@ -48,14 +48,15 @@ def evaluate(
         raise InputError(
             recording.name, "has no truth (labels/*.png)", "use `horizon-dl predict` for pictures"
         )
-    methods: dict[str, Method] = {"cnn": _learner(run, recording), **training_free_methods()}
+    learner = run.learner if isinstance(run, FileRun) else "cnn"
+    methods: dict[str, Method] = {learner: _learner(run, recording), **training_free_methods()}
     readings = _readings(methods, store, labelled, workers)
     bar = tqdm(readings, "evaluate", total=len(labelled), unit="frame", disable=not progress)
     ranging = RangingBlock(recording)
-    watch = watching(ranging, on_frame)
-    thresholds, band_rad = {"cnn": run.threshold}, run.config.labels.band_rad
+    watch = watching(ranging, on_frame, learner)
+    thresholds, band_rad = {learner: run.threshold}, run.config.labels.band_rad
     found = tally_readings(bar, thresholds, band_rad, SecondTruth(recording), watch)
-    found["cnn"].train_s = float(run.info.get("train_s", 0.0))
+    found[learner].train_s = float(run.info.get("train_s", 0.0))
     tallies = {name: [tally] for name, tally in found.items()}
     metrics = {
         "schema": SCHEMA,
@@ -77,7 +78,8 @@ def evaluate(
 def _readings(
     methods: Mapping[str, Method], store: FrameStore, indices: Sequence[int], workers: Workers
 ) -> Iterator[Reading]:
-    if isinstance(methods["cnn"], FileMethod):  # a runtime's session stays in its process
+    # A runtime's session stays in its process.
+    if any(isinstance(method, FileMethod) for method in methods.values()):
         frames = with_frames(store.frames(indices))
         return (read_frame(methods, frame, view) for frame, view in frames)
     return read_frames(methods, store, indices, workers)

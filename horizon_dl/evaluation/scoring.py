@@ -127,11 +127,11 @@ def count_frame(
             tally.add_obstacle_map(maps["entropy"], tally.threshold, pixels)
 
 
-def watching(ranging: RangingBlock, on_frame: OnFrame | None) -> OnFrame:
-    """`on_frame` that also ranges by what the net says."""
+def watching(ranging: RangingBlock, on_frame: OnFrame | None, learner: str = "cnn") -> OnFrame:
+    """`on_frame` that also ranges by what a learner says."""
 
     def watch(scored: ScoredFrame) -> None:
-        ranging.add(scored.frame, scored.maps["cnn"][P_ABOVE], scored.thresholds["cnn"])
+        ranging.add(scored.frame, scored.maps[learner][P_ABOVE], scored.thresholds[learner])
         if on_frame:
             on_frame(scored)
 

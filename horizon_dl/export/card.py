@@ -6,10 +6,14 @@ from typing import Any
 
 from safetensors.torch import save
 
+from horizon_dl.config import Config
+from horizon_dl.frames.frame import Recording
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.view import working_size
 from horizon_dl.learning.run import Run
 from horizon_dl.models.build import parameter_count
+from horizon_dl.models.features import FEATURE_NAMES
+from horizon_dl.models.forest import HorizonForest
 from horizon_dl.onboard.model import camera_from_card
 from horizon_dl.provenance import versions
 
@@ -18,6 +22,10 @@ WHAT = (
     "A small fully convolutional net that tells what lies above the horizon from what lies below it, trained "
     "on labels that the attitude gives for free. It stays unsure about what stands on both sides: its "
     "predictive entropy is the obstacle score (after arXiv:1806.08007)."
+)
+WHAT_FOREST = (
+    "The random forest of arXiv:1806.08007 on colour, local binary pattern and Laws texture of single "
+    "pixels, as the rival of the net: its trees take the part of the dropout samples. It costs far more time."
 )
 SAMPLES = (
     "The dropout samples are fixed masks folded into the weights of the last layer, so the file holds no "
@@ -43,7 +51,7 @@ OUTPUTS = {
     "entropy": "float32 (h, w), bits in [0, 1]: predictive entropy of p_above, the obstacle score",
     "expected_entropy": "float32 (h, w), bits in [0, 1]: entropy less mutual information",
     "mutual_information": "float32 (h, w), bits in [0, 1]: disagreement of the dropout samples, computed on "
-    "the net's coarse grid and enlarged",
+    "the net's coarse grid and enlarged, or of the forest's trees",
     "surprisal": "float32 (h, w), bits in [0, 126]: -log2 of the probability of the side of the horizon that "
     "the pixel really is on; means nothing without up_cam",
     "elevation": "float32 (h, w), rad in [-pi/2, pi/2], positive above the horizon; NaN without up_cam and "
@@ -59,19 +67,58 @@ LEFT_OUT = {
 
 
 def make_card(run: Run, camera: Camera) -> dict[str, Any]:
-    """All that is known before anything is measured, ready for JSON; `parity` and `measured` come later."""
+    """All that is known of a run before anything is measured, ready for JSON.
+
+    `parity` and `measured` come later.
+    """
     config, info = run.config, run.info
+    net = {
+        **config.model.model_dump(mode="json"),
+        "parameters": parameter_count(run.net),
+        "sampling": SAMPLES,
+    }
     return {
         "kind": KIND,
+        "learner": "cnn",
         "what": WHAT,
-        "limits": LIMITS,
-        "net": {
-            **config.model.model_dump(mode="json"),
-            "parameters": parameter_count(run.net),
-            "sampling": SAMPLES,
-        },
+        "net": net,
         "trained_on": {key: info.get(key) for key in ("data", "format", "frames", "train_s")},
         "trained_camera": camera_is_trained(info, camera),
+        "trained_with": info.get("versions"),
+        "weights_sha256": weights_hash(run),
+        **_common(config, camera, run.threshold, info.get("threshold_rule")),
+    }
+
+
+def make_forest_card(
+    forest: HorizonForest, recording: Recording, config: Config, threshold: float, train_s: float
+) -> dict[str, Any]:
+    """The same of a forest fitted on a recording, for that recording's camera."""
+    trees = forest.classifier.estimators_
+    return {
+        "kind": KIND,
+        "learner": "rf",
+        "what": WHAT_FOREST,
+        "forest": {
+            **config.forest.model_dump(mode="json"),
+            "nodes": sum(tree.tree_.node_count for tree in trees),
+            "features": list(FEATURE_NAMES),
+        },
+        "trained_on": {
+            "data": recording.name,
+            "format": recording.format,
+            "frames": len(recording.entries),
+            "train_s": train_s,
+        },
+        "trained_camera": True,
+        "weights_sha256": forest_hash(forest),
+        **_common(config, recording.camera, threshold, f"percentile-{config.threshold.percentile:g}"),
+    }
+
+
+def _common(config: Config, camera: Camera, threshold: float, rule: str | None) -> dict[str, Any]:
+    return {
+        "limits": LIMITS,
         "camera": asdict(camera),
         "image_size": [camera.width, camera.height],
         "working_size": list(working_size(camera, config.image.max_pixels)),
@@ -79,16 +126,14 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
         "outputs": OUTPUTS,
         "left_out": LEFT_OUT,
         "threshold": {
-            "value": run.threshold,
+            "value": threshold,
             "unit": "bits",
-            "rule": info.get("threshold_rule"),
+            "rule": rule,
             "chosen_on": "the entropies of the training frames; no obstacle label is ever used",
         },
         "false_positive_rate": None,
         "config": config.model_dump(mode="json"),
         "versions": versions(),
-        "trained_with": info.get("versions"),
-        "weights_sha256": weights_hash(run),
         "licence": LICENCE,
         "patents": PATENTS,
     }
@@ -102,3 +147,12 @@ def camera_is_trained(info: dict[str, Any], camera: Camera) -> bool:
 def weights_hash(run: Run) -> str:
     """SHA-256 of the weights as a safetensors file: that of the run folder's own."""
     return hashlib.sha256(save({k: v.contiguous() for k, v in run.net.state_dict().items()})).hexdigest()
+
+
+def forest_hash(forest: HorizonForest) -> str:
+    """SHA-256 of branches, thresholds and leaves of all trees."""
+    digest = hashlib.sha256()
+    for tree in (one.tree_ for one in forest.classifier.estimators_):
+        for array in (tree.children_left, tree.children_right, tree.feature, tree.threshold, tree.value):
+            digest.update(array.tobytes())
+    return digest.hexdigest()

@@ -11,7 +11,7 @@ from horizon_dl.errors import FrameError, InputError
 from horizon_dl.export.card import make_card
 from horizon_dl.export.graph import WholeWay
 from horizon_dl.export.onnx_file import file_bytes, graph_of
-from horizon_dl.export.parity import parity, sample_frames
+from horizon_dl.export.parity import Learner, parity, sample_frames
 from horizon_dl.frames.frame import Frame, Recording
 from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.camera import Camera
@@ -64,12 +64,19 @@ def export_run(run: Run, camera: Camera, frames: Sequence[Frame] = ()) -> Export
     Raises:
         RuntimeError: the file does not say what the run says.
     """
-    module = WholeWay(run.net, camera, run.config.image.max_pixels, run.threshold)
-    exported = Exported(graph_of(module), make_card(run, camera))
-    figures = parity(run, exported.content(), frames or sample_frames(camera))
+    return exported(run.net, run.config.image.max_pixels, run.threshold, make_card(run, camera), frames)
+
+
+def exported(
+    learner: Learner, max_pixels: int, threshold: float, card: dict[str, Any], frames: Sequence[Frame] = ()
+) -> Exported:
+    """The whole way of any learner for its card's camera, compared with the learner; see `export_run`."""
+    camera = camera_from_card(card)
+    found = Exported(graph_of(WholeWay(learner, camera, max_pixels, threshold)), card)
+    figures = parity(learner, max_pixels, threshold, found.content(), frames or sample_frames(camera))
     if not figures["good"]:
-        raise RuntimeError(f"the exported file differs from the run: {figures['levels']}")
-    return exported.with_card(parity={**figures, "on": "real frames" if frames else "made-up frames"})
+        raise RuntimeError(f"the exported file differs from what was exported: {figures['levels']}")
+    return found.with_card(parity={**figures, "on": "real frames" if frames else "made-up frames"})
 
 
 def trained_camera(run: Run, where: str | Path) -> Camera:

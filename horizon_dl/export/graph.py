@@ -1,20 +1,22 @@
 """The whole way from camera image to obstacle map as one module, ready to be exported."""
 
-from math import log
 from typing import NamedTuple
 
 import numpy as np
 import torch
 from torch import Tensor, nn
 
+from horizon_dl.export.bits import BITS, entropy, surprise
+from horizon_dl.export.encode import Encode
+from horizon_dl.export.forest_features import ForestFeatures
+from horizon_dl.export.forest_trees import ML_DOMAIN, ML_OPSET, TreeVotes
 from horizon_dl.export.shrink import AreaShrink, NearestEnlarge
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.geometry.view import working_size
 from horizon_dl.models.fcn import HorizonFCN, enlarge
+from horizon_dl.models.forest import HorizonForest
 
-TINY = float(np.finfo(np.float32).tiny)
-BITS = 1 / log(2)
 LOG_TERMS = 32  # factors of a product whose logarithm is taken; each is at least a half
 
 
@@ -37,22 +39,37 @@ class WholeWay(nn.Module):
     is a dropout that a runtime would remove. Rays are constants, so a file belongs to one camera.
 
     Args:
-        net: trained, in evaluation mode.
+        learner: a trained net in evaluation mode, or a fitted forest, whose trees are the samples.
         camera: of the upright images.
         max_pixels: as in training; fixes the working size.
         threshold: entropy above which a pixel is an obstacle, bits.
-        sampled: False gives the single pass without dropout, for comparison of times alone.
+        sampled: False gives the net's single pass without dropout, for comparison of times alone.
     """
 
     def __init__(
-        self, net: HorizonFCN, camera: Camera, max_pixels: int, threshold: float, *, sampled: bool = True
+        self,
+        learner: HorizonFCN | HorizonForest,
+        camera: Camera,
+        max_pixels: int,
+        threshold: float,
+        *,
+        sampled: bool = True,
     ) -> None:
         super().__init__()
         self.image_size = (camera.width, camera.height)
         self.size = working_size(camera, max_pixels)
         self.resize = AreaShrink(self.image_size, self.size)
-        self.encode = Encode(net)
-        self.uncertainty = Uncertainty(net, self.size, sampled=sampled)
+        interleaved = not self.resize.shrinks
+        self.encode: nn.Module
+        self.uncertainty: nn.Module
+        self.further_opsets: dict[str, int] = {}
+        if isinstance(learner, HorizonForest):
+            self.further_opsets = {ML_DOMAIN: ML_OPSET}
+            self.encode = ForestFeatures(self.size, interleaved=interleaved)
+            self.uncertainty = TreeVotes(learner, self.size)
+        else:
+            self.encode = Encode(learner, interleaved=interleaved)
+            self.uncertainty = Uncertainty(learner, self.size, sampled=sampled)
         self.horizon = Horizon(camera.scaled(*self.size))
         self.measures = MeasureMaps()
         self.obstacles = ObstacleMap(threshold, self.size, self.image_size)
@@ -64,18 +81,6 @@ class WholeWay(nn.Module):
         entropy, expected_entropy, surprisal = self.measures(p_above, mutual_information, above)
         obstacles = self.obstacles(entropy)
         return Maps(p_above, entropy, expected_entropy, mutual_information, surprisal, elevation, obstacles)
-
-
-class Encode(nn.Module):
-    """The net up to its last layer."""
-
-    def __init__(self, net: HorizonFCN) -> None:
-        super().__init__()
-        self.net = net
-
-    def forward(self, image: Tensor) -> Tensor:
-        """Features of (1, 3, h, w) grey levels."""
-        return self.net.encode(image / 255.0)
 
 
 class Uncertainty(nn.Module):
@@ -99,11 +104,10 @@ class Uncertainty(nn.Module):
             return enlarged, torch.zeros_like(enlarged)
         logits = self.net.sample_logits(features)
         mean, expected = summaries(logits.flatten(2)[0])
-        entropy = -mean * _log2(mean) - (1 - mean) * _log2(1 - mean)
-        information = (entropy - expected).clamp(0.0, 1.0)
+        information = (entropy(mean) - expected).clamp(0.0, 1.0)
         rows, columns = logits.shape[-2:]
-        maps = self.enlarge(torch.stack([mean, information]).reshape(2, rows, columns))
-        return maps[0], maps[1]
+        wide = self.enlarge.columns(torch.stack([mean, information]).reshape(2, rows, columns))
+        return self.enlarge.rows(wide[0]), self.enlarge.rows(wide[1])
 
 
 def summaries(logits: Tensor) -> tuple[Tensor, Tensor]:
@@ -135,8 +139,15 @@ class Enlarge(nn.Module):
 
     def forward(self, maps: Tensor) -> Tensor:
         """(..., h / s, w / s) to (..., h, w)."""
-        rows, columns = (int(length) for length in maps.shape[-2:])
-        return bilinear_weights(rows, self.size[1]) @ (maps @ bilinear_weights(columns, self.size[0]).T)
+        return self.rows(self.columns(maps))
+
+    def columns(self, maps: Tensor) -> Tensor:
+        """(..., n, w / s) to (..., n, w)."""
+        return maps @ bilinear_weights(int(maps.shape[-1]), self.size[0]).T
+
+    def rows(self, maps: Tensor) -> Tensor:
+        """(..., h / s, n) to (..., h, n)."""
+        return bilinear_weights(int(maps.shape[-2]), self.size[1]) @ maps
 
 
 def bilinear_weights(inputs: int, outputs: int) -> Tensor:
@@ -149,12 +160,16 @@ class MeasureMaps(nn.Module):
     """What follows from the mean probability, the mutual information and the side of the horizon."""
 
     def forward(self, p_above: Tensor, information: Tensor, above: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-        """Entropy, expected entropy and surprisal, (h, w) bits."""
-        log_no = _log2(1 - p_above)
-        logit = _log2(p_above) - log_no
-        entropy = (-log_no - p_above * logit).clamp(0.0, 1.0)
-        surprisal = (-log_no - above.float() * logit).clamp(min=0.0)
-        return entropy, (entropy - information).clamp(min=0.0), surprisal
+        """Entropy, expected entropy and surprisal, (h, w) bits.
+
+        The entropy is the same from either side of the horizon; seen from the pixel's own, the surprisal is
+        one of its terms.
+        """
+        p_side = (p_above - (1 - above.float())).abs()
+        p_other = 1 - p_side
+        surprisal = surprise(p_side)
+        found = (p_side * surprisal + p_other * surprise(p_other)).clamp(0.0, 1.0)
+        return found, (found - information).relu(), surprisal
 
 
 class Horizon(nn.Module):
@@ -191,15 +206,11 @@ class ObstacleMap(nn.Module):
 
     def forward(self, entropy: Tensor) -> Tensor:
         """(H, W) uint8, 1 obstacle, of (h, w) bits."""
-        over = (entropy > self.threshold).float()[None, None]
+        over = (entropy > self.threshold).float()
         # The mean over 3x3 counts the pixel itself: with one neighbour it is 2/9.
-        together = nn.functional.avg_pool2d(over, 3, stride=1, padding=1) > 1.5 / 9
-        found = over * together
+        together = nn.functional.avg_pool2d(over[None, None], 3, stride=1, padding=1)
+        found = (over * together.reshape(over.shape) > 1.5 / 9).to(torch.uint8)
         if self.size != self.image_size:
-            enlarged: Tensor = self.enlarge(found[0, 0].to(torch.uint8))
+            enlarged: Tensor = self.enlarge(found)
             return enlarged
-        return found[0, 0].to(torch.uint8)
-
-
-def _log2(p: Tensor) -> Tensor:
-    return p.clamp(min=TINY).log() * BITS
+        return found

@@ -4,7 +4,6 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import onnx
 from numpy.typing import NDArray
 from onnxruntime.quantization import CalibrationDataReader, QuantFormat, QuantType, quantize_static
@@ -13,6 +12,7 @@ from onnxruntime.quantization.shape_inference import quant_pre_process
 from horizon_dl.export.export import Exported, parity_frames
 from horizon_dl.export.measure import measured
 from horizon_dl.export.onnx_file import file_bytes
+from horizon_dl.export.parity import feed_of
 from horizon_dl.frames.frame import Frame, Recording
 from horizon_dl.onboard.benchmark import quartiles, timed_in_turn
 from horizon_dl.onboard.model import new_session
@@ -33,12 +33,6 @@ class FrameReader(CalibrationDataReader):  # type: ignore[misc]
     def get_next(self) -> Feed | None:
         """The next frame's inputs, or None at the end."""
         return next(self._feeds, None)
-
-
-def feed_of(frame: Frame) -> Feed:
-    """The graph's inputs of a frame with attitude."""
-    assert frame.up_cam is not None
-    return {"image": frame.image[None], "up_cam": frame.up_cam.astype(np.float32)}
 
 
 def quantised(graph: onnx.ModelProto, frames: list[Frame]) -> onnx.ModelProto:

@@ -14,8 +14,9 @@ def measured(content: bytes, data: Recording) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "model.onnx"
         path.write_bytes(content)
-        metrics = evaluate(load_file_run(path), data).metrics
-    block = metrics["methods"]["cnn"]
+        run = load_file_run(path)
+        metrics = evaluate(run, data).metrics
+    block = metrics["methods"][run.learner]
     scores, point = block["scores"]["entropy"], block["operating_point"]
     return {
         "data": metrics["data"],

@@ -47,6 +47,7 @@ def graph_of(module: WholeWay) -> onnx.ModelProto:
             Path(folder) / "graph.onnx",
             dynamo=False,
             opset_version=OPSET,
+            custom_opsets=module.further_opsets,
             input_names=list(INPUTS),
             output_names=list(OUTPUTS),
         )

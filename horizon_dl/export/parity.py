@@ -1,6 +1,6 @@
-"""Does the file say what the net says: torch against onnxruntime at every optimisation level."""
+"""Does the file say what the learner says: torch or scikit-learn against onnxruntime at every level."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +12,13 @@ from PIL import Image
 from horizon_dl.frames.frame import Frame
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.resize import nearest_pixels
-from horizon_dl.geometry.view import make_view
-from horizon_dl.learning.predict import Prediction, predict
-from horizon_dl.learning.run import Run
+from horizon_dl.geometry.view import View, make_view
+from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.models.forest import HorizonForest
 from horizon_dl.obstacles.threshold import obstacle_map
 from horizon_dl.onboard.model import OUTPUTS, new_session
+from horizon_dl.uncertainty.measures import Measures, measures
+from horizon_dl.uncertainty.summary import net_measures
 
 LEVELS = {
     "none": onnxruntime.GraphOptimizationLevel.ORT_DISABLE_ALL,
@@ -29,6 +31,7 @@ TOLERANCE = 1e-4
 """Of probabilities and bits; wider than float32 rounding, narrower than anything that matters."""
 
 Maps = dict[str, NDArray[Any]]
+Learner = HorizonFCN | HorizonForest
 
 
 @dataclass
@@ -45,14 +48,25 @@ class Differences:
         return max(self.largest.values()) <= TOLERANCE and self.beyond_ties == 0
 
 
-def parity(run: Run, content: bytes, frames: Sequence[Frame]) -> dict[str, Any]:
-    """Largest absolute differences between a run's own predictions and its file's, by optimisation level.
+def parity(
+    learner: Learner, max_pixels: int, threshold: float, content: bytes, frames: Sequence[Frame]
+) -> dict[str, Any]:
+    """Largest absolute differences between a learner's own predictions and its file's, by optimisation level.
 
     Obstacle maps are compared pixel by pixel; those whose entropy, or a neighbour's, lies within the
     tolerance of the threshold are ties and may differ. Surprisals are compared as probabilities.
+
+    Args:
+        learner: a net, or a forest.
+        max_pixels: fixes the working size.
+        threshold: of the entropy, bits.
+        content: bytes of the file.
+        frames: with attitude.
     """
-    wanted = [predict(run, make_view(frame, run.config.image.max_pixels)) for frame in frames]
-    levels = {name: _level(run, content, frames, wanted, level) for name, level in LEVELS.items()}
+    say = predictor(learner)
+    views = [make_view(frame, max_pixels) for frame in frames]
+    wanted = [vars(say(view)) | {"elevation": view.elevation} for view in views]
+    levels = {name: _level(content, frames, wanted, threshold, level) for name, level in LEVELS.items()}
     return {
         "frames": len(frames),
         "tolerance": TOLERANCE,
@@ -62,6 +76,13 @@ def parity(run: Run, content: bytes, frames: Sequence[Frame]) -> dict[str, Any]:
             for name, one in levels.items()
         },
     }
+
+
+def predictor(learner: Learner) -> Callable[[View], Measures]:
+    """What a learner itself says of a view."""
+    if isinstance(learner, HorizonForest):
+        return lambda view: measures(learner.p_above_samples(view), view.elevation > 0)
+    return lambda view: net_measures(learner, view.image, view.elevation > 0)
 
 
 def sample_frames(camera: Camera, count: int = 3) -> list[Frame]:
@@ -77,27 +98,31 @@ def sample_frames(camera: Camera, count: int = 3) -> list[Frame]:
     return frames
 
 
+def feed_of(frame: Frame) -> Maps:
+    """The graph's inputs of a frame with attitude."""
+    assert frame.up_cam is not None
+    return {"image": frame.image[None], "up_cam": frame.up_cam.astype(np.float32)}
+
+
 def _level(
-    run: Run, content: bytes, frames: Sequence[Frame], wanted: Iterable[Prediction], level: Any
+    content: bytes, frames: Sequence[Frame], wanted: Sequence[Maps], threshold: float, level: Any
 ) -> Differences:
     session = new_session(content, 1, graph_optimization_level=level)
     found = Differences(dict.fromkeys(OUTPUTS[:-1], 0.0))
     for frame, reference in zip(frames, wanted, strict=True):
-        assert frame.up_cam is not None
-        feed = {"image": frame.image[None], "up_cam": frame.up_cam.astype(np.float32)}
-        _compare(found, dict(zip(OUTPUTS, session.run(OUTPUTS, feed), strict=True)), reference, run.threshold)
+        outputs = session.run(OUTPUTS, feed_of(frame))
+        _compare(found, dict(zip(OUTPUTS, outputs, strict=True)), reference, threshold)
     return found
 
 
-def _compare(found: Differences, maps: Maps, reference: Prediction, threshold: float) -> None:
-    wanted: Maps = {**vars(reference.measures), "elevation": reference.view.elevation}
+def _compare(found: Differences, maps: Maps, wanted: Maps, threshold: float) -> None:
     for name in found.largest:
+        one, other = maps[name].astype(np.float64), wanted[name].astype(np.float64)
         if name == "surprisal":  # as a probability: the logarithm of nearly nothing is all rounding
-            maps[name], wanted[name] = np.exp2(-maps[name]), np.exp2(-wanted[name])
-        difference = np.abs(maps[name].astype(np.float64) - wanted[name])
-        assert np.array_equal(np.isnan(maps[name]), np.isnan(wanted[name])), f"{name}: NaN in other places"
-        found.largest[name] = max(found.largest[name], float(np.nanmax(difference)))
-    differs, ties = obstacle_differences(maps["obstacles"], reference.measures.entropy, threshold)
+            one, other = np.exp2(-one), np.exp2(-other)
+        assert np.array_equal(np.isnan(one), np.isnan(other)), f"{name}: NaN in other places"
+        found.largest[name] = max(found.largest[name], float(np.nanmax(np.abs(one - other))))
+    differs, ties = obstacle_differences(maps["obstacles"], wanted["entropy"], threshold)
     found.obstacle_pixels += int(differs.sum())
     found.beyond_ties += int((differs & ~ties).sum())
 

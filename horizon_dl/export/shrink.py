@@ -13,6 +13,8 @@ BAND = 16
 class AreaShrink(nn.Module):
     """`area_resize` of (1, H, W, 3) uint8 to (1, 3, h, w) float of whole grey levels, equal to the bit.
 
+    An image of that size already passes as it is.
+
     What moves through memory between the two directions is uint8, a quarter of the floats.
 
     Args:
@@ -23,13 +25,14 @@ class AreaShrink(nn.Module):
     def __init__(self, image_size: tuple[int, int], size: tuple[int, int]) -> None:
         super().__init__()
         self.image_size, self.size = image_size, size
+        self.shrinks = image_size != size
         self.rows = Banded(image_size[1], size[1])
         self.columns = Banded(image_size[0], size[0])
 
     def forward(self, image: Tensor) -> Tensor:
         """Reduce; rows first, as `area_resize` does."""
-        if self.image_size == self.size:
-            return image.permute(0, 3, 1, 2).float()
+        if not self.shrinks:
+            return image
         (width, height), (low_width, low) = self.image_size, self.size
         rows = self.rows.left(image.reshape(height, width * 3))
         planes = rows.reshape(1, low, width, 3).permute(0, 3, 1, 2).reshape(3 * low, width)

@@ -1,0 +1,83 @@
+"""The paper's forest as a model file, so that the comparison can be flown."""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from horizon_dl.config import Config
+from horizon_dl.evaluation.learners import fit_forest
+from horizon_dl.export.card import make_forest_card
+from horizon_dl.export.export import Exported, exported, parity_frames
+from horizon_dl.export.parity import feed_of, predictor, sample_frames
+from horizon_dl.frames.frame import Recording
+from horizon_dl.learning.store import FrameStore
+from horizon_dl.learning.train import THRESHOLD_FRAMES, evenly
+from horizon_dl.models.forest import HorizonForest
+from horizon_dl.obstacles.percentile import stream_percentile
+from horizon_dl.onboard.benchmark import quartiles, timed_in_turn
+from horizon_dl.onboard.model import camera_from_card, new_session
+
+PARITY_FRAMES = 2
+RUNS = 10
+
+
+def export_forest(recording: Recording, config: Config) -> Exported:
+    """Fit the forest on all frames of a recording and export it for that recording's camera.
+
+    Raises:
+        InputError: too many frames cannot be used, or they do not show both sides of the horizon.
+        RuntimeError: the file does not say what the forest says.
+    """
+    store = FrameStore(recording, config)
+    indices = range(len(recording.entries))
+    start = time.perf_counter()
+    forest = fit_forest(store, indices, config.seed).forest
+    train_s = time.perf_counter() - start
+    threshold = forest_threshold(forest, store)
+    card = make_forest_card(forest, recording, config, threshold, train_s)
+    frames = parity_frames(recording)[:PARITY_FRAMES]
+    return exported(forest, config.image.max_pixels, threshold, card, frames)
+
+
+def forest_threshold(forest: HorizonForest, store: FrameStore) -> float:
+    """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
+    say = predictor(forest)
+    views = store.views(evenly(range(len(store.recording.entries)), THRESHOLD_FRAMES))
+    entropies = (say(view).entropy[~np.isnan(view.elevation)] for view in views)
+    return stream_percentile(entropies, store.config.threshold.percentile)
+
+
+def with_cost(forest: Exported, net: Exported) -> Exported:
+    """The forest with its cost in its card: milliseconds a frame beside the net's, in turn, at one thread."""
+    times = timed_in_turn({"forest": _job(forest), "net": _job(net)}, RUNS)
+    medians = {name: quartiles(found)["median_ms"] for name, found in times.items()}
+    cost = {
+        "threads": 1,
+        "forest_ms": medians["forest"],
+        "net_ms": medians["net"],
+        "times_as_long": medians["forest"] / medians["net"],
+        "forest_bytes": len(forest.content()),
+        "net_bytes": len(net.content()),
+    }
+    return forest.with_card(cost=cost)
+
+
+def cost_line(cost: dict[str, Any]) -> str:
+    """The cost in words.
+
+    Example:
+        >>> cost = {"forest_ms": 160.0, "times_as_long": 32.0, "forest_bytes": 9100000, "net_bytes": 3e5}
+        >>> cost_line(cost)
+        'forest: 160 ms a frame at one thread, 32 times as long as the net; 9.1 MB, the net 0.3 MB'
+    """
+    times = f"{cost['forest_ms']:.0f} ms a frame at one thread, {cost['times_as_long']:.0f} times as long"
+    sizes = f"{cost['forest_bytes'] / 1e6:.1f} MB, the net {cost['net_bytes'] / 1e6:.1f} MB"
+    return f"forest: {times} as the net; {sizes}"
+
+
+def _job(model: Exported) -> Callable[[], object]:
+    feed = feed_of(sample_frames(camera_from_card(model.card), 1)[0])
+    session = new_session(model.content(), 1)
+    return lambda: session.run(None, feed)
