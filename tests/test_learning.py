@@ -10,7 +10,6 @@ from horizon_dl.errors import InputError
 from horizon_dl.frames.formats import open_recording
 from horizon_dl.learning.averaging import averaged
 from horizon_dl.learning.crops import TrainingFrame, draw_batch, training_frame
-from horizon_dl.learning.memory import ReplayMemory
 from horizon_dl.learning.module import horizon_loss
 from horizon_dl.learning.online import OnlineLearner
 from horizon_dl.learning.run import load_run, save_run
@@ -77,22 +76,6 @@ def test_pixels_in_the_band_do_not_count(toy, config):
     near = np.abs(view.elevation) < config.labels.band_rad
     assert near.any()
     assert np.array_equal(frame.counts, ~near)
-
-
-def test_replay_is_bounded_and_uniform():
-    frame = frame_of(0)
-    limit = 10 * frame.nbytes / 2**20
-    kept = np.zeros(100)
-    for seed in range(300):
-        memory = ReplayMemory(limit, np.random.default_rng(seed))
-        for value in range(100):
-            memory.add(frame_of(value))
-        assert memory.nbytes <= limit * 2**20
-        assert len(memory.frames) == 10
-        kept[[int(held.image[0, 0, 0]) for held in memory.frames]] += 1
-    # Each frame is kept with probability 0.1: 30 +- 5.2 times.
-    assert abs(kept[:50].mean() - kept[50:].mean()) < 4
-    assert kept.max() < 60
 
 
 def test_a_pool_too_small_for_the_set_exchanges_its_frames(toy, config):

@@ -12,12 +12,15 @@ from importlib import import_module
 
 from horizon_dl import __version__
 from horizon_dl.errors import InputError
+from horizon_dl.processes import is_helper
 
 VERBS = {
     "demo": "the whole story on the embedded data set",
     "data": "public data sets, and the simulated arena",
     "check-data": "whether a data set can work, and why not",
+    "calibrate-mount": "the camera's mount error from the images themselves",
     "train": "train the net on a data set",
+    "online": "learn from a stream in one pass, resumable",
     "compare": "the net against the forest and training-free baselines",
     "evaluate": "a trained net against truth",
     "predict": "panels and arrays from a trained net",
@@ -33,6 +36,8 @@ OURS = "horizon_dl"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code: 0 done, 1 failed, 2 wrong use or bad input."""
     parsed = parse(sys.argv[1:] if arguments is None else arguments)
+    if is_helper():
+        _keep_silent()
     try:
         parsed.run(parsed)
     except InputError as error:
@@ -101,6 +106,11 @@ def split_overrides(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
         else:
             plain.append(argument)
     return plain, overrides
+
+
+def _keep_silent() -> None:
+    os.environ["TQDM_DISABLE"] = "1"
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say(code: int, line: str) -> int:

@@ -1,6 +1,8 @@
-"""The whole story on the embedded data set: learn online, compare with the forest, write the report.
+"""The whole story on the embedded data set: learn online, compare with the forest, export, run the export.
 
-horizon-dl demo --out DIR
+  horizon-dl demo --out DIR
+
+DIR then holds report.html, metrics.json, model.onnx with its card, and panels/.
 """
 
 import argparse
@@ -11,7 +13,10 @@ from typing import TYPE_CHECKING
 from horizon_dl.cli.options import add_config, add_out, resolve_config
 
 if TYPE_CHECKING:
+    from horizon_dl.config import Config
+    from horizon_dl.evaluation.compare import Comparison
     from horizon_dl.frames.frame import Recording
+    from horizon_dl.learning.run import Run
 
 FOREST_PIXELS = "forest.training_pixels=100000"
 """A quarter of the default: the forest is fitted eight times here."""
@@ -29,6 +34,7 @@ def run(arguments: argparse.Namespace) -> None:
     config = resolve_config(arguments)
 
     from horizon_dl.evaluation.compare import compare, split_recording
+    from horizon_dl.export.tried import export_and_try
     from horizon_dl.frames.formats import open_recording
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.comparison import PanelWriter, write_comparison
@@ -42,8 +48,34 @@ def run(arguments: argparse.Namespace) -> None:
         panels = PanelWriter(folder, len(split.test))
         result = compare(recording, config, "prequential", [config.seed], on_frame=panels, progress=True)
         write_comparison(folder, "Demo: the simulated arena, learned online", result, panels, config)
+        tried = export_and_try(learned_run(result, recording, config), recording, folder)
+        told = tried.lines()
     print(metrics_table(result.metrics))
+    print("\n".join(told))
     print(f"the report is {(arguments.out / 'report.html').absolute().as_uri()}")
+
+
+def learned_run(result: "Comparison", recording: "Recording", config: "Config") -> "Run":
+    """What was learned in the one pass, ready to be exported."""
+    from dataclasses import asdict
+
+    from horizon_dl.learning.run import Run
+    from horizon_dl.learning.store import FrameStore
+    from horizon_dl.learning.train import entropy_threshold
+
+    assert result.net is not None
+    frames = range(len(recording.entries))
+    info = {
+        "data": recording.name,
+        "format": recording.format,
+        "camera": asdict(recording.camera),
+        "frames": len(frames) - len(result.skipped),
+        "skipped": result.skipped,
+        "train_s": result.tallies["cnn"][0].train_s,
+        "threshold": entropy_threshold(result.net, FrameStore(recording, config), frames),
+        "threshold_rule": f"percentile-{config.threshold.percentile:g}",
+    }
+    return Run(result.net.eval(), config, info)
 
 
 def with_truth_of_every(step: int, recording: "Recording") -> "Recording":

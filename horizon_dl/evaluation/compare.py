@@ -37,10 +37,13 @@ from horizon_dl.evaluation.training_free import training_free_methods
 from horizon_dl.frames.frame import Recording
 from horizon_dl.learning.store import FrameStore
 from horizon_dl.learning.train import THRESHOLD_FRAMES, entropy_threshold, evenly, train_net
+from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.obstacles.percentile import RunningPercentile, stream_percentile
 from horizon_dl.workers import HERE, Workers
 
 T = TypeVar("T")
+
+Learned = tuple[dict[str, Tally], HorizonFCN]
 
 LEARNERS = ("cnn", "rf")
 THRESHOLD_EVERY = 5
@@ -55,11 +58,13 @@ class Comparison:
         metrics: the content of `metrics.json`.
         tallies: by method, one a seed; the curves are drawn from them.
         skipped: reason by name of the frames that could not be used.
+        net: of the first seed, where one was trained.
     """
 
     metrics: dict[str, Any]
     tallies: dict[str, list[Tally]]
     skipped: dict[str, str] = field(default_factory=dict)
+    net: HorizonFCN | None = None
 
 
 def compare(
@@ -93,8 +98,10 @@ def compare(
     tallies: dict[str, list[Tally]] = {name: [] for name in LEARNERS}
     ranging = RangingBlock(recording)
     watch = watching(ranging, on_frame)
+    nets: list[HorizonFCN] = []
     for number, seed in enumerate(seeds):
-        found = run_seed(store, split, seed, watch if number == 0 else None, progress, workers)
+        found, net = run_seed(store, split, seed, watch if number == 0 else None, progress, workers)
+        nets.append(net)
         for name, tally in found.items():
             tallies[name].append(tally)
     tallies |= {name: [tally] for name, tally in _baselines(store, split.test, progress, workers).items()}
@@ -108,7 +115,7 @@ def compare(
         "methods": {name: method_metrics(found, rule) for name, found in tallies.items()},
         "ranging": ranging.metrics(),
     }
-    return Comparison(metrics, tallies, store.skipped)
+    return Comparison(metrics, tallies, store.skipped, nets[0])
 
 
 def split_recording(recording: Recording, protocol: Protocol) -> Split:
@@ -125,7 +132,7 @@ def split_recording(recording: Recording, protocol: Protocol) -> Split:
 
 def _offline(
     store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool, workers: Workers
-) -> dict[str, Tally]:
+) -> Learned:
     config = store.config
     start = time.perf_counter()
     net = train_net(store, split.train, seed=seed, progress=progress)
@@ -142,7 +149,7 @@ def _offline(
     second_truth = SecondTruth(store.recording)
     tallies = tally_readings(bar, thresholds, config.labels.band_rad, second_truth, on_frame)
     tallies["cnn"].train_s, tallies["rf"].train_s = net_s, forest_s
-    return tallies
+    return tallies, net
 
 
 def _forest_threshold(
@@ -155,9 +162,10 @@ def _forest_threshold(
 
 def _prequential(
     store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool, _: Workers
-) -> dict[str, Tally]:
+) -> Learned:
     config = store.config
-    streams: dict[str, StreamLearner] = {"cnn": NetStream(config, seed), "rf": ForestStream(config, seed)}
+    net = NetStream(config, seed)
+    streams: dict[str, StreamLearner] = {"cnn": net, "rf": ForestStream(config, seed)}
     tallies = {name: Tally() for name in streams}
     entropies = {name: RunningPercentile(config.threshold.percentile) for name in streams}
     second_truth = SecondTruth(store.recording)
@@ -181,7 +189,7 @@ def _prequential(
             stream.learn(view)
     for name, stream in streams.items():
         tallies[name].train_s = stream.learn_s
-    return tallies
+    return tallies, net.net
 
 
 def _baselines(store: FrameStore, test: Sequence[int], progress: bool, workers: Workers) -> dict[str, Tally]:

@@ -107,9 +107,14 @@ class NetStream:
         self.ready = False
         self.learn_s = 0.0
 
+    @property
+    def net(self) -> HorizonFCN:
+        """The net as it predicts now."""
+        return self._learner.net
+
     def score_maps(self, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
-        return _net_scores(self._learner.net, view)
+        return _net_scores(self.net, view)
 
     def learn(self, view: View) -> None:
         """A few steps on this frame and on remembered ones."""

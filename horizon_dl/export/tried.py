@@ -19,15 +19,11 @@ class Tried:
     Attributes:
         path: of the model file.
         difference: largest of `p_above`, from the net's own, at any optimisation level.
-        frame: name of the frame that the file was run on.
-        obstacle_share: of that frame's pixels, in [0, 1].
         median_ms: of a run on one thread.
     """
 
     path: Path
     difference: float
-    frame: str
-    obstacle_share: float
     median_ms: float
 
     def lines(self) -> list[str]:
@@ -35,8 +31,7 @@ class Tried:
         size = self.path.stat().st_size / 1e6
         return [
             f"exported to {self.path.name} ({size:.1f} MB); it differs from the net by {self.difference:.0e}",
-            f"run on {self.frame} without torch: {self.obstacle_share:.0%} obstacle pixels, "
-            f"{self.median_ms:.1f} ms on one thread",
+            f"run without torch: {self.median_ms:.1f} ms a frame on one thread",
         ]
 
 
@@ -51,7 +46,5 @@ def export_and_try(run: Run, recording: Recording, folder: Path) -> Tried:
     path = exported.write(folder)
     model, frame = ObstacleModel.load(path), frames[-1]
     times = timed_in_turn({"run": lambda: model.predict(frame.image, frame.up_cam)}, RUNS)["run"]
-    found = model.predict(frame.image, frame.up_cam)
     difference = max(level["p_above"] for level in exported.card["parity"]["levels"].values())
-    share = float(found.obstacles.mean())
-    return Tried(path, difference, frame.name, share, quartiles(times)["median_ms"])
+    return Tried(path, difference, quartiles(times)["median_ms"])

@@ -1,37 +1,114 @@
 """Replay: a bounded memory of past training frames."""
 
-import numpy as np
+import heapq
+import math
+from dataclasses import dataclass
+from itertools import pairwise
 
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from PIL import Image
+
+from horizon_dl.learning.checkpoint import Snapshot
 from horizon_dl.learning.crops import TrainingFrame
+from horizon_dl.learning.packing import PackedFrame, pack, unpack
+
+SKETCH = (16, 12)
+"""Width and height of the small pictures by which frames are compared."""
+NEW_LEVELS = 4.0
+"""A frame that differs from the one before it by this many grey levels in the mean is wholly new."""
+LEAST_WEIGHT = 0.05
+"""A frame just like the one before it is this likely to be kept, compared with a new one."""
+
+
+@dataclass(frozen=True, order=True)
+class _Kept:
+    """A frame and its place in the queue for being forgotten; keys do not repeat."""
+
+    key: float
+    number: int
+    packed: PackedFrame
 
 
 class ReplayMemory:
-    """A uniform random sample of all frames seen so far, at most `memory_mb` MiB of them.
+    """A random sample of all frames seen so far, compressed, at most `memory_mb` MiB of them.
 
-    Source: Vitter, Random sampling with a reservoir, 1985 (algorithm R).
+    All of a changing stream is remembered evenly. What does not change (the robot stands still) is remembered
+    less, so that a long pause does not push out all that was before it. At least one frame is kept.
+
+    Source: Efraimidis and Spirakis, Weighted random sampling with a reservoir, 2006 (A-ES): a frame of weight
+    w has the key `log(u) / w`, u uniform in (0, 1], and the largest keys stay.
     """
 
     def __init__(self, memory_mb: float, rng: np.random.Generator) -> None:
         self._limit_bytes = memory_mb * 2**20
         self._rng = rng
-        self._seen = 0
-        self.frames: list[TrainingFrame] = []
+        self._kept: list[_Kept] = []
+        self._sketch: NDArray[np.uint8] | None = None
+        self.seen = 0
+        self.nbytes = 0
+
+    def __len__(self) -> int:
+        return len(self._kept)
 
     def add(self, frame: TrainingFrame) -> None:
-        """Take a frame in, in the place of a random older one when the memory is full."""
-        self._seen += 1
-        if not self.frames or self.nbytes + frame.nbytes <= self._limit_bytes:
-            self.frames.append(frame)
-            return
-        place = self._rng.integers(self._seen)
-        if place < len(self.frames):
-            self.frames[place] = frame
+        """Take a frame in; those that then are too much, this one perhaps among them, are forgotten."""
+        weight = self._weight(frame.image)
+        key = math.log(1.0 - self._rng.random()) / weight
+        kept = _Kept(key, self.seen, pack(frame))
+        heapq.heappush(self._kept, kept)
+        self.seen += 1
+        self.nbytes += kept.packed.nbytes
+        while self.nbytes > self._limit_bytes and len(self._kept) > 1:
+            self.nbytes -= heapq.heappop(self._kept).packed.nbytes
 
     def draw(self, count: int) -> list[TrainingFrame]:
         """`count` frames at random, with repetition."""
-        return [self.frames[i] for i in self._rng.integers(len(self.frames), size=count)]
+        return [unpack(self._kept[i].packed) for i in self._rng.integers(len(self._kept), size=count)]
 
-    @property
-    def nbytes(self) -> int:
-        """Bytes held."""
-        return sum(frame.nbytes for frame in self.frames)
+    def sample(self, count: int) -> list[PackedFrame]:
+        """At most `count` of the frames held, evenly spread over the time since the first."""
+        by_time = sorted(self._kept, key=lambda kept: kept.number)
+        places = np.linspace(0, len(by_time) - 1, min(count, len(by_time))).astype(int)
+        return [by_time[place].packed for place in places]
+
+    def numbers(self) -> list[int]:
+        """Of each frame held, how many were seen before it."""
+        return [kept.number for kept in self._kept]
+
+    def snapshot(self) -> Snapshot:
+        """All that is held, but for the random state."""
+        blobs = [part for kept in self._kept for part in (kept.packed.image, kept.packed.labels)]
+        sketch = np.zeros(0, np.uint8) if self._sketch is None else self._sketch
+        tensors = {
+            "blobs": torch.from_numpy(np.frombuffer(b"".join(blobs) or b"\0", np.uint8).copy()),
+            "sketch": torch.from_numpy(sketch.copy()),
+        }
+        values = {
+            "keys": [kept.key for kept in self._kept],
+            "numbers": self.numbers(),
+            "lengths": [len(blob) for blob in blobs],
+            "seen": self.seen,
+        }
+        return Snapshot(tensors, values)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Hold what a snapshot holds."""
+        values, content = snapshot.values, snapshot.tensors["blobs"].numpy().tobytes()
+        ends = np.cumsum([0, *values["lengths"]])
+        blobs = [content[start:end] for start, end in pairwise(ends)]
+        packed = [PackedFrame(*pair) for pair in zip(blobs[::2], blobs[1::2], strict=True)]
+        self._kept = [_Kept(*one) for one in zip(values["keys"], values["numbers"], packed, strict=True)]
+        self.nbytes = sum(one.nbytes for one in packed)
+        self.seen = values["seen"]
+        sketch = snapshot.tensors["sketch"].numpy()
+        self._sketch = sketch if sketch.size else None
+
+    def _weight(self, image: NDArray[np.uint8]) -> float:
+        sketch = np.asarray(Image.fromarray(image).resize(SKETCH, Image.Resampling.BOX))
+        before, self._sketch = self._sketch, sketch
+        if before is None:
+            return 1.0
+        change = float(np.abs(sketch.astype(np.int16) - before.astype(np.int16)).mean())
+        return min(1.0, max(LEAST_WEIGHT, change / NEW_LEVELS))

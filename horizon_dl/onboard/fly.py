@@ -124,8 +124,9 @@ class Fly:
             self._newest = _Sighted(picture.time_s, None)
             return
         up_cam, yaw_rad, height_m = pose
+        floor = picture.floor_up_cam if self._settings.recorded_attitude else None
         try:
-            found = self._sighting.look(picture.time_s, picture.image, up_cam, yaw_rad, height_m)
+            found = self._sighting.look(picture.time_s, picture.image, up_cam, yaw_rad, height_m, floor)
         except Exception as error:  # onnxruntime raises kinds of its own; flying on blind would be worse
             self.watchdog.model_failed(type(error).__name__)
             self._newest = _Sighted(picture.time_s, None)

@@ -1,0 +1,142 @@
+"""Learn from a stream in one pass: every frame is predicted, then learned from; resumable at any time.
+
+  horizon-dl online DATA --out RUN                          a recorded set, as fast as it goes
+  horizon-dl online DATA --out RUN --real-time              its frames at the times at which they were taken
+  horizon-dl online FILM.mp4 --attitude LOG.csv --camera camera.yaml --out RUN
+                                                            LOG: time_s,roll_rad,pitch_rad,yaw_rad
+
+RUN then holds frames.jsonl (one line a frame), TensorBoard logs, a checkpoint, and all of a run folder, with
+metrics.json. Stopped or killed, the same command goes on where the last checkpoint was taken.
+"""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from horizon_dl.cli.options import add_config, add_data, add_out, positive_int, resolve_config
+
+if TYPE_CHECKING:
+    from horizon_dl.evaluation.online_run import OnlineRun
+    from horizon_dl.frames.frame import Recording
+    from horizon_dl.learning.stream import Stream
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of the verb."""
+    add_data(parser)
+    add_config(parser)
+    add_out(parser)
+    parser.add_argument("--restart", action="store_true", help="do not go on from the checkpoint in RUN")
+    parser.add_argument(
+        "--max-frames", type=positive_int, metavar="N", help="end after the stream's first N frames"
+    )
+    parser.add_argument(
+        "--export-every",
+        type=positive_seconds,
+        metavar="S",
+        help="write a fresh RUN/model.onnx every S seconds; a running `fly` takes it over",
+    )
+    parser.add_argument(
+        "--real-time",
+        action="store_true",
+        help="predict frames as they come, learn from the newest when there is time",
+    )
+    parser.add_argument("--speed", type=positive_seconds, metavar="X", help="of --real-time (default: 1)")
+    parser.add_argument("--attitude", type=Path, metavar="CSV", help="attitude log of a video")
+    parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.yaml of a video")
+
+
+def positive_seconds(text: str) -> float:
+    """For argparse: a positive number."""
+    value = float(text)
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError("must be positive")
+    return value
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Learn until the stream ends, Ctrl-C or SIGTERM; then write the run folder."""
+    recording, stream = _source(arguments)
+    config = resolve_config(arguments)
+
+    from horizon_dl.errors import InputError
+    from horizon_dl.evaluation.online_run import OnlineRun
+    from horizon_dl.evaluation.real_time import run_in_real_time
+
+    if arguments.speed is not None and not arguments.real_time:
+        raise InputError("--speed", "has no meaning without --real-time", "add it")
+    online = OnlineRun(
+        stream,
+        config,
+        arguments.out,
+        recording=recording,
+        max_frames=arguments.max_frames,
+        export_every_s=arguments.export_every,
+        restart=arguments.restart,
+        progress=True,
+    )
+    if online.position:
+        online.keeper.say(f"going on at frame {online.position} of {stream.name}")
+    more: dict[str, Any] = {}
+    with _stopping(online):
+        if arguments.real_time:
+            more = {"real_time": run_in_real_time(online, arguments.speed or 1.0)}
+        else:
+            online.run()
+    online.finish(**more)
+    _say(arguments, online, more)
+
+
+def _source(arguments: argparse.Namespace) -> "tuple[Recording | None, Stream]":
+    from horizon_dl.errors import InputError
+    from horizon_dl.frames.formats import open_recording
+    from horizon_dl.learning.stream import recorded_stream, video_stream
+
+    if arguments.data.is_dir() or not (arguments.attitude or arguments.camera or arguments.data.is_file()):
+        recording = open_recording(arguments.data, arguments.format)
+        return recording, recorded_stream(recording)
+    if arguments.attitude is None or arguments.camera is None:
+        missing = "--camera" if arguments.attitude else "--attitude"
+        raise InputError(arguments.data, f"is a video without {missing}", "a video needs both; see --help")
+    return None, video_stream(arguments.data, arguments.attitude, arguments.camera)
+
+
+def _stopping(online: "OnlineRun") -> Any:
+    """Ctrl-C and SIGTERM end the run in order; a second Ctrl-C at once."""
+    import signal
+    from contextlib import contextmanager
+
+    @contextmanager
+    def stopping() -> Any:
+        def stop(number: int, _: Any) -> None:
+            if online.stopped and number == signal.SIGINT:
+                raise KeyboardInterrupt
+            online.stop()
+
+        before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    return stopping()
+
+
+def _say(arguments: argparse.Namespace, online: "OnlineRun", more: dict[str, Any]) -> None:
+    figures, name = online.figures, online.stream.name
+    print(f"saw {figures.seen} frames of {name}, learned from {figures.learned}")
+    for reason, count in figures.reasons.most_common():
+        print(f"  not learned from: {count}, {reason}")
+    if online.learner.dropped:
+        print(f"  steps dropped, loss or gradient not finite: {online.learner.dropped}")
+    if online.keeper.failed:
+        print(f"  checkpoints that could not be written: {online.keeper.failed}")
+    if more:
+        timing = more["real_time"]
+        print(f"from arrival to prediction: median {timing['median_ms']} ms, 99 % in {timing['p99_ms']} ms")
+    pooled, within = online.figures.auc()
+    if pooled is not None and within is not None:
+        print(f"AUC of the entropy, before learning: {pooled:.3f}, within depression bands {within:.3f}")
+    rest = " (stopped; the same command goes on)" if online.stopped else ""
+    print(f"wrote {arguments.out}{rest}; next: horizon-dl evaluate {arguments.out} DATA --out DIR")

@@ -1,0 +1,76 @@
+"""A tally as a snapshot: histograms are mostly empty, so only what they hold is kept."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import torch
+
+from horizon_dl.evaluation.roc import RocAccumulator
+from horizon_dl.evaluation.tally import Confusion, Tally
+from horizon_dl.learning.checkpoint import Snapshot
+from horizon_dl.obstacles.percentile import RunningPercentile
+
+SCALARS = ("threshold", "right_sides", "sides", "frames", "predict_s", "train_s")
+BELOW = ""
+"""In place of the name of other pixels: the pixels below the horizon, which every tally has."""
+
+
+def tally_snapshot(tally: Tally) -> Snapshot:
+    """All that a tally has gathered."""
+    rocs = {BELOW: tally.rocs, **tally.other_rocs}
+    parts = {
+        f"{other}.{name}": roc_snapshot(roc)
+        for other, by_score in rocs.items()
+        for name, roc in by_score.items()
+    }
+    calibration = {name: torch.from_numpy(array) for name, array in vars(tally.calibration).items()}
+    values: dict[str, Any] = {name: getattr(tally, name) for name in SCALARS}
+    values |= {"raw": asdict(tally.raw), "filtered": asdict(tally.filtered), "rocs": list(parts)}
+    return Snapshot.join({**parts, "tally": Snapshot(calibration, values)})
+
+
+def restored_tally(snapshot: Snapshot) -> Tally:
+    """The tally of a snapshot."""
+    own = snapshot.part("tally")
+    tally = Tally(
+        raw=Confusion(**own.values["raw"]),
+        filtered=Confusion(**own.values["filtered"]),
+        **{name: own.values[name] for name in SCALARS},
+    )
+    for name in vars(tally.calibration):
+        setattr(tally.calibration, name, own.tensors[name].numpy().copy())
+    for key in own.values["rocs"]:
+        other, _, name = key.partition(".")
+        by_score = tally.rocs if other == BELOW else tally.other_rocs.setdefault(other, {})
+        by_score[name] = restored_roc(snapshot.part(key))
+    return tally
+
+
+def roc_snapshot(roc: RocAccumulator) -> Snapshot:
+    """The places of a histogram that hold anything, and how much."""
+    counts = roc._counts.ravel()
+    places = np.flatnonzero(counts)
+    return Snapshot(
+        {
+            "places": torch.from_numpy(places.astype(np.int32)),
+            "counts": torch.from_numpy(counts[places]),
+        }
+    )
+
+
+def restored_roc(snapshot: Snapshot) -> RocAccumulator:
+    """The histogram of a snapshot."""
+    roc = RocAccumulator()
+    roc._counts.ravel()[snapshot.tensors["places"].numpy()] = snapshot.tensors["counts"].numpy()
+    return roc
+
+
+def percentile_snapshot(percentile: RunningPercentile) -> Snapshot:
+    """The scores counted so far."""
+    return Snapshot({"counts": torch.from_numpy(percentile._counts)})
+
+
+def restore_percentile(percentile: RunningPercentile, snapshot: Snapshot) -> None:
+    """The scores of a snapshot in place of those counted."""
+    percentile._counts[:] = snapshot.tensors["counts"].numpy()

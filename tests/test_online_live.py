@@ -1,0 +1,270 @@
+"""Real time, videos with an attitude log, and the hand-over of fresh models to the onboard runtime."""
+
+import argparse
+import json
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from small_run import small_export, small_run, toy_frames, toy_set
+from tiny_online import frame_lines, tiny_options, tiny_run
+from toy import CAMERA, write_toy_set
+
+from horizon_dl.cli import fly, main
+from horizon_dl.errors import InputError
+from horizon_dl.evaluation.real_time import LEFT_OUT, Arrivals, RealTime, run_in_real_time
+from horizon_dl.export.export import export_run, trained_camera
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.frames.loading import load_frame
+from horizon_dl.learning.run import Run
+from horizon_dl.learning.stream import Arrival, recorded_stream, video_stream
+from horizon_dl.onboard.followed import FollowedModel
+from horizon_dl.output import write_bytes
+
+
+@pytest.fixture(scope="module")
+def toy(tmp_path_factory) -> Path:
+    return write_toy_set(tmp_path_factory.mktemp("toy") / "set", frames=16)
+
+
+class Script:
+    """Arrivals at given turns, in place of a clock: the number of frames that come at each `take`."""
+
+    def __init__(self, arrivals: Iterator[Arrival], turns: list[int]) -> None:
+        self.ended = False
+        self._arrivals = arrivals
+        self._turns = iter(turns)
+
+    def take(self, _: float) -> tuple[float, Arrival] | None:
+        if next(self._turns, 1):
+            found = next(self._arrivals, None)
+            self.ended = found is None
+            return None if found is None else (time.monotonic(), found)
+        return None
+
+
+def scripted(toy: Path, out: Path, turns: list[int], **options) -> list[dict]:
+    run = tiny_run(toy, out, **options)
+    real_time = RealTime(run, Script(run.arrivals(), turns))  # type: ignore[arg-type]
+    while real_time.turn():
+        pass
+    real_time.finish()
+    run.finish()
+    return frame_lines(out)
+
+
+def test_the_newest_frame_is_learned_and_the_others_are_left_out(toy, tmp_path):
+    # Three frames come at once; then there is time for all three turns of learning from the newest.
+    lines = scripted(toy, tmp_path / "run", [1, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0], max_frames=4)
+    assert [line["not_learned"] for line in lines] == [LEFT_OUT, LEFT_OUT, None, None]
+    assert [line["index"] for line in lines] == [0, 1, 2, 3]
+    assert json.loads((tmp_path / "run" / "run.json").read_text())["online"]["not_learned"] == {LEFT_OUT: 2}
+
+
+def test_frames_that_come_during_learning_are_predicted_between_two_steps(toy, tmp_path):
+    # One frame, a turn to begin and a step; two more frames; the first one is then finished all the same.
+    lines = scripted(toy, tmp_path / "run", [1, 0, 0, 1, 1, 0, 0, 0, 0, 0, 0, 0], max_frames=3)
+    assert [line["not_learned"] for line in lines] == [None, LEFT_OUT, None]
+    assert all(line["loss"] for line in lines if line["learned"])
+
+
+def test_with_time_enough_real_time_learns_what_the_plain_run_learns(toy, tmp_path):
+    turns = [1, *[0] * 5] * 16
+    plain = tiny_run(toy, tmp_path / "plain")
+    plain.run()
+    plain.finish()
+    assert scripted(toy, tmp_path / "run", turns) == frame_lines(tmp_path / "plain")
+
+
+def test_every_frame_is_predicted_in_real_time(toy, tmp_path, capsys):
+    out = tmp_path / "run"
+    arguments = ["online", str(toy), "--out", str(out), "--real-time", "--speed", "20", *tiny_options()]
+    assert main(arguments) == 0
+    lines = frame_lines(out)
+    assert [line["index"] for line in lines] == list(range(16))
+    assert {line["not_learned"] for line in lines} <= {None, LEFT_OUT}
+    info = json.loads((out / "run.json").read_text())
+    assert info["online"]["predicted"] == 16
+    assert info["online"]["learned"] + info["online"]["not_learned"].get(LEFT_OUT, 0) == 16
+    assert info["real_time"]["count"] == 16
+    assert "from arrival to prediction" in capsys.readouterr().out
+
+
+def test_frames_come_at_their_times(toy):
+    arrivals = Arrivals(recorded_stream(open_recording(toy)).arrivals(0), 2.0)
+    start = time.monotonic()
+    for index in range(6):
+        found = arrivals.take(5.0)
+        assert found is not None
+        assert found[1].index == index
+        assert time.monotonic() - start > 0.05 * index - 0.02
+    arrivals.stop()
+
+
+def test_an_error_of_the_source_ends_the_run(toy, tmp_path):
+    run = tiny_run(toy, tmp_path / "run")
+
+    def broken(start: int) -> Iterator[Arrival]:
+        yield from list(recorded_stream(open_recording(toy)).arrivals(start))[:3]
+        raise InputError("camera:0", "is gone", "plug it in")
+
+    run.stream = replace(run.stream, arrivals=broken)
+    with pytest.raises(InputError, match="plug it in"):
+        run_in_real_time(run, 50.0)
+
+
+@pytest.fixture
+def film(toy, tmp_path) -> Path:
+    """The toy's frames as a video of 10 frames a second, its attitude at 50 Hz beside it."""
+    cv2 = pytest.importorskip("cv2")
+    path = tmp_path / "film.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10.0, (96, 72))
+    if not writer.isOpened():
+        pytest.skip("this OpenCV writes no video")
+    for image in sorted((toy / "images").iterdir()):
+        writer.write(np.asarray(Image.open(image))[:, :, ::-1])
+    writer.release()
+    rows = (toy / "frames.csv").read_text().splitlines()[1:]
+    times, pitches = zip(*((float(row.split(",")[1]), float(row.split(",")[3])) for row in rows), strict=True)
+    fine = np.arange(0, 1.3, 0.02)
+    samples = [f"{t},0.0,{np.interp(t, times, pitches)},0.0" for t in fine]
+    (tmp_path / "log.csv").write_text("\n".join(["time_s,roll_rad,pitch_rad,yaw_rad", *samples]) + "\n")
+    (tmp_path / "camera.yaml").write_text(CAMERA)
+    return path
+
+
+def test_a_video_is_learned_from_with_its_attitude_log(film, toy, tmp_path):
+    log, camera, out = tmp_path / "log.csv", tmp_path / "camera.yaml", tmp_path / "run"
+    arguments = ["--attitude", str(log), "--camera", str(camera), "--out", str(out), *tiny_options()]
+    assert main(["online", str(film), *arguments, "--max-frames", "9"]) == 0
+    assert main(["online", str(film), *arguments]) == 0
+    lines = frame_lines(out)
+    # The log ends at 1.28 s: the frames at 1.3, 1.4 and 1.5 s have no attitude.
+    assert [line["not_learned"] for line in lines] == [None] * 13 + ["no attitude"] * 3
+    assert [line["time_s"] for line in lines] == pytest.approx([i / 10 for i in range(16)])
+    wanted = [entry.up_cam for entry in open_recording(toy).entries]
+    for arrival in video_stream(film, log, camera).arrivals(0):
+        if arrival.index < 13:
+            assert arrival.frame is not None
+            assert arrival.frame.up_cam == pytest.approx(wanted[arrival.index], abs=1e-6)
+    assert json.loads((out / "run.json").read_text())["format"] == "video"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ([], "--attitude"),
+        (["--attitude", "LOG"], "--camera"),
+        (["--attitude", "none.csv", "--camera", "CAMERA"], "none.csv"),
+        (["--attitude", "LOG", "--camera", "none.yaml"], "none.yaml"),
+        (["--attitude", "CAMERA", "--camera", "CAMERA"], "no column"),
+        (["--attitude", "LOG", "--camera", "CAMERA", "--speed", "2"], "--real-time"),
+    ],
+)
+def test_wrong_videos_are_one_line(film, tmp_path, capsys, options, words):
+    places = {"LOG": str(tmp_path / "log.csv"), "CAMERA": str(tmp_path / "camera.yaml")}
+    named = [places.get(word, word) for word in options]
+    assert main(["online", str(film), "--out", str(tmp_path / "run"), *named]) == 2
+    assert words in capsys.readouterr().err
+
+
+def other_export(threshold: float, width: int = 96) -> bytes:
+    """The small model with another threshold, or for another camera."""
+    run = small_run()
+    camera = replace(trained_camera(run, "run"), width=width)
+    return export_run(Run(run.net, run.config, {**run.info, "threshold": threshold}), camera).content()
+
+
+def predict_until(model: FollowedModel, done) -> int:
+    """Predict frame by frame; the number of predictions until `done()`, all of which were right."""
+    frame = toy_frames()[0]
+    for count in range(1, 2000):
+        found = model.predict(frame.image, frame.up_cam)
+        assert np.isfinite(found.entropy).all()
+        small = found.entropy > model.threshold
+        assert (small.mean() > 0) == bool(found.obstacles.any()) or small.sum() < 5
+        if done():
+            return count
+        time.sleep(0.002)
+    raise AssertionError("never happened")
+
+
+def test_a_fresh_file_is_taken_over_between_two_frames(tmp_path):
+    path = tmp_path / "model.onnx"
+    path.write_bytes(small_export().content())
+    model = FollowedModel.load(path)
+    first = model.threshold
+    predict_until(model, lambda: True)
+    for number, threshold in enumerate((0.31, 0.62), 1):
+        write_bytes(path, other_export(threshold))
+        predict_until(model, lambda number=number: model.taken_over == number)
+        assert model.threshold == pytest.approx(threshold) != first
+    assert model.summary() == {"taken_over": 2, "refused": 0, "problem": None}
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (lambda: small_export().content()[:-50], "is cut off"),
+        (lambda: b"nothing", "is no obstacle model"),
+        (lambda: other_export(0.4, width=128), "another camera"),
+    ],
+)
+def test_a_file_that_does_not_fit_is_refused_and_the_old_one_flies_on(tmp_path, content, words):
+    path = tmp_path / "model.onnx"
+    path.write_bytes(small_export().content())
+    model = FollowedModel.load(path)
+    before = model.current.sha256
+    write_bytes(path, content())
+    predict_until(model, lambda: model.refused == 1)
+    assert words in str(model.problem)
+    assert model.current.sha256 == before
+    path.unlink()
+    predict_until(model, lambda: True)
+    write_bytes(path, other_export(0.31))
+    predict_until(model, lambda: model.taken_over == 1)
+
+
+def test_fly_takes_over_a_model_in_flight_and_drops_no_frame(tmp_path):
+    pytest.importorskip("pymavlink")
+    path, out = tmp_path / "model.onnx", tmp_path / "figures.json"
+    path.write_bytes(small_export().content())
+    fresh = other_export(0.31)
+    parser = argparse.ArgumentParser()
+    fly.add_arguments(parser)
+    arguments = [str(path), "--source", str(toy_set()), "--mavlink", "udpout:127.0.0.1:9", "--out", str(out)]
+    timer = threading.Timer(0.8, write_bytes, (path, fresh))
+    timer.start()
+    fly.run(parser.parse_args(arguments))
+    timer.join()
+    figures = json.loads(out.read_text())
+    assert figures["model"]["taken_over"] == 1
+    # 24 frames at 10 Hz: every one was looked at, the hand-over among them.
+    assert figures["pictures"]["seen"] == figures["pictures"]["looked_at"] == 24
+    assert figures["pictures"]["skipped"] == 0
+
+
+def test_a_model_written_by_the_learner_is_taken_over_while_it_learns(toy, tmp_path):
+    out = tmp_path / "run"
+    run = tiny_run(toy, out, export_every_s=1e-3)
+    run.run()
+    run.finish()
+    model = FollowedModel.load(out / "model.onnx")
+    again = tiny_run(toy, out, restart=True, export_every_s=1e-3)
+    learner = threading.Thread(target=lambda: (again.run(), again.finish()))
+    learner.start()
+    one = load_frame(open_recording(toy), 0)
+    predictions = 0
+    while learner.is_alive() or model.taken_over == 0:
+        assert np.isfinite(model.predict(one.image, one.up_cam).entropy).all()
+        predictions += 1
+        time.sleep(0.002)
+    learner.join()
+    assert predictions > 20
+    assert model.refused == 0
+    assert model.taken_over >= 1

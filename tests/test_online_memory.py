@@ -1,0 +1,123 @@
+"""Replay: bounded, compressed, diverse, and the same after a restart."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from horizon_dl.config import Config
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.learning.checkpoint import Snapshot, read_checkpoint, write_checkpoint
+from horizon_dl.learning.crops import TrainingFrame, training_frame
+from horizon_dl.learning.memory import ReplayMemory
+from horizon_dl.learning.packing import pack, unpack
+from horizon_dl.learning.store import FrameStore
+
+SHAPE = (40, 50)
+
+
+def smooth_frame(seed: int) -> TrainingFrame:
+    """A frame unlike any of another seed, in about the bytes of any other."""
+    rng = np.random.default_rng(seed)
+    rows, columns = np.mgrid[: SHAPE[0], : SHAPE[1]] / 50
+    image = np.stack([rng.uniform(0, 255) + 30 * np.sin(3 * rows + c + columns) for c in range(3)], axis=-1)
+    return TrainingFrame(
+        image.clip(0, 255).astype(np.uint8),
+        rng.random(SHAPE).astype(np.float16),
+        rng.random(SHAPE) < 0.8,
+    )
+
+
+def test_packing_keeps_target_mask_and_nearly_the_image():
+    frame = smooth_frame(0)
+    found = unpack(pack(frame))
+    assert np.array_equal(found.counts, frame.counts)
+    error = np.abs(found.target.astype(float) - frame.target.astype(float))[frame.counts]
+    assert error.max() < 0.5 / 254 + 1e-3
+    assert not found.target[~frame.counts].any()
+    assert np.abs(found.image.astype(int) - frame.image).mean() < 1.5
+    assert found.target.dtype == np.float16
+
+
+@pytest.mark.real_data
+@pytest.mark.parametrize("name", ["arena", "corridor", "hallway", "kitti"])
+def test_frames_take_a_fifth_of_their_room_or_less(data_dir, name):
+    recording = open_recording(data_dir / name)
+    store = FrameStore(recording, Config())
+    frame = training_frame(next(store.views([len(recording.entries) // 2])), store.config)
+    packed = pack(frame)
+    assert packed.nbytes < frame.nbytes / 5
+    assert np.abs(unpack(packed).image.astype(int) - frame.image).mean() < 2.0
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.floats(0.004, 0.05), st.integers(1, 40))
+def test_the_memory_is_bounded(memory_mb, count):
+    memory = ReplayMemory(memory_mb, np.random.default_rng(0))
+    for seed in range(count):
+        memory.add(smooth_frame(seed))
+        assert memory.nbytes <= memory_mb * 2**20 or len(memory) == 1
+        assert memory.nbytes == sum(packed.nbytes for packed in memory.sample(100))
+    assert len(memory) >= 1
+    assert memory.seen == count
+
+
+def test_one_frame_is_kept_however_small_the_memory():
+    memory = ReplayMemory(1e-6, np.random.default_rng(0))
+    for seed in range(3):
+        memory.add(smooth_frame(seed))
+    assert len(memory.draw(4)) == 4
+
+
+def test_a_changing_stream_is_remembered_evenly():
+    frames = [smooth_frame(seed) for seed in range(60)]
+    kept = np.zeros(60)
+    for seed in range(60):
+        memory = ReplayMemory(10.5 * pack(frames[0]).nbytes / 2**20, np.random.default_rng(seed))
+        for frame in frames:
+            memory.add(frame)
+        kept[memory.numbers()] += 1
+    # About 10 of 60 stay: each frame 10 times of 60, standard deviation 2.9; half the frames 300, +- 16.
+    assert 500 < kept.sum() < 660
+    assert abs(kept[:30].sum() - kept[30:].sum()) < 80
+    assert kept.max() < 25
+
+
+def test_a_long_halt_does_not_push_out_what_was_before():
+    moving, halt = [smooth_frame(seed) for seed in range(40)], smooth_frame(40)
+    memory = ReplayMemory(20 * pack(halt).nbytes / 2**20, np.random.default_rng(0))
+    for frame in [*moving, *[halt] * 400]:
+        memory.add(frame)
+    before = sum(number < 40 for number in memory.numbers())
+    # Evenly it would be 40 of 440, two of the twenty.
+    assert before >= 8
+
+
+def test_a_restored_memory_goes_on_the_same_way(tmp_path):
+    frames = [smooth_frame(seed) for seed in range(50)]
+    whole_rng = np.random.default_rng(0)
+    whole = ReplayMemory(0.03, whole_rng)
+    for frame in frames[:25]:
+        whole.add(frame)
+    write_checkpoint(tmp_path / "c", Snapshot.join({"m": whole.snapshot()}))
+    rng = np.random.default_rng(99)
+    rng.bit_generator.state = whole_rng.bit_generator.state
+    restored = ReplayMemory(0.03, rng)
+    restored.restore(read_checkpoint(tmp_path / "c").part("m"))
+    for frame in frames[25:]:
+        whole.add(frame)
+        restored.add(frame)
+    assert whole.numbers() == restored.numbers()
+    assert whole.nbytes == restored.nbytes
+    for one, other in zip(whole.draw(5), restored.draw(5), strict=True):
+        assert np.array_equal(one.image, other.image)
+        assert np.array_equal(one.target, other.target)
+
+
+def test_an_empty_memory_comes_back(tmp_path):
+    memory = ReplayMemory(1, np.random.default_rng(0))
+    write_checkpoint(tmp_path / "c", Snapshot.join({"m": memory.snapshot()}))
+    memory.restore(read_checkpoint(tmp_path / "c").part("m"))
+    assert len(memory) == 0
+    memory.add(smooth_frame(1))
+    assert len(memory.draw(3)) == 3
