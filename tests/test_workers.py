@@ -10,7 +10,8 @@ from horizon_dl.cli import main
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.workers import HERE, DaskWorkers, open_workers
 
-QUICK = "--train.rounds [8,4] --train.batch 4 --train.crop 32 --seeds 1 --forest.training_pixels 4000".split()
+QUICK = ["--train.rounds", "[8,4]", "--train.batch", "4", "--train.crop", "32", "--seeds", "1"]
+QUICK += ["--forest.training_pixels", "4000"]
 TIMES = {"train_s", "predict_ms_per_frame"}
 
 
