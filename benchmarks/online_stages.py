@@ -25,14 +25,14 @@ from horizon_dl.frames.frame import Frame
 from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.resize import area_resize
 from horizon_dl.geometry.view import make_view
-from horizon_dl.learning.crops import draw_batch, training_frame
+from horizon_dl.learning.coarse import coarse_frame, half_elevation
+from horizon_dl.learning.crops import draw_batch
 from horizon_dl.learning.online import OnlineLearner
 from horizon_dl.learning.packing import pack, unpack
 from horizon_dl.learning.trust import StreamGuard
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.simulation.embedded import embedded_set
-from horizon_dl.uncertainty.dropout import p_above_of_all_depths
 
 SIZE = (320, 240)
 Taken = tuple[float, float]
@@ -102,9 +102,8 @@ def measure(data: Path, count: int) -> dict[str, list[Taken]]:
         timed("learn", learner.learn, view)
         if number < early:
             continue
-        p_above = timed("  predict for the target", p_above_of_all_depths, learner.net, view.image)
-        newest = timed("  target", training_frame, view, config, p_above)
-        packed = timed("  replay: pack", pack, newest)
+        newest = timed("  target, with the net's edges", coarse_frame, view, config, learner.net)
+        packed = timed("  replay: pack", pack, newest, half_elevation(view.elevation))
         timed("  replay: unpack one", unpack, packed)
         drawn = timed("  replay: draw a batch's frames", learner.memory.draw, config.online.batch - 1)
         batch = timed("  crops", draw_batch, [newest, *drawn], config.train.crop, rng)

@@ -79,9 +79,11 @@ class OnlineConfig(Section):
 
     warm_up_frames: Annotated[int, Field(ge=0)] = 20
     warm_up_steps: Count = 12
-    steps_per_frame: Count = 4
+    steps_per_frame: Count = 3
     batch: Annotated[int, Field(ge=2)] = 6
     learning_rate: Positive = 0.003
+    half_rate_steps: Count = 300
+    least_rate: Positive = 0.0003
     memory_mb: Positive = 64.0
     checkpoint_frames: Count = 300
     checkpoint_s: Positive = 30.0

@@ -2,7 +2,8 @@
 
 import heapq
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import astuple, dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +13,9 @@ from PIL import Image
 
 from horizon_dl.learning.checkpoint import Snapshot
 from horizon_dl.learning.crops import TrainingFrame
-from horizon_dl.learning.packing import PackedFrame, pack, unpack
+from horizon_dl.learning.packing import PackedFrame, pack, unpack, unpack_elevation, with_target
+
+Map = NDArray[np.float32]
 
 SKETCH = (16, 12)
 """Width and height of the small pictures by which frames are compared."""
@@ -24,11 +27,12 @@ LEAST_WEIGHT = 0.05
 
 @dataclass(frozen=True, order=True)
 class _Kept:
-    """A frame and its place in the queue for being forgotten; keys do not repeat."""
+    """A frame, its place in the queue for being forgotten (keys do not repeat), and the age of its target."""
 
     key: float
     number: int
     packed: PackedFrame
+    made_at: int
 
 
 class ReplayMemory:
@@ -52,16 +56,37 @@ class ReplayMemory:
     def __len__(self) -> int:
         return len(self._kept)
 
-    def add(self, frame: TrainingFrame) -> None:
-        """Take a frame in; those that then are too much, this one perhaps among them, are forgotten."""
+    def add(self, frame: TrainingFrame, elevation: Map, made_at: int) -> None:
+        """Take a frame in; those that then are too much, this one perhaps among them, are forgotten.
+
+        Args:
+            frame: to be replayed.
+            elevation: (h // 2, w // 2) rad.
+            made_at: how much the net that guided its target had seen; any unit.
+        """
         weight = self._weight(frame.image)
         key = math.log(1.0 - self._rng.random()) / weight
-        kept = _Kept(key, self.seen, pack(frame))
+        kept = _Kept(key, self.seen, pack(frame, elevation), made_at)
         heapq.heappush(self._kept, kept)
         self.seen += 1
         self.nbytes += kept.packed.nbytes
         while self.nbytes > self._limit_bytes and len(self._kept) > 1:
             self.nbytes -= heapq.heappop(self._kept).packed.nbytes
+
+    def renew(self, now: int, target_of: Callable[[NDArray[np.uint8], Map], NDArray[np.float16]]) -> None:
+        """Make the target anew that was made the longest time ago: its net knew less.
+
+        Args:
+            now: as `made_at`; nothing is done where all targets are of now.
+            target_of: gives the (h, w) target of an image and its (h // 2, w // 2) elevation.
+        """
+        place = min(range(len(self._kept)), key=lambda index: self._kept[index].made_at)
+        kept = self._kept[place]
+        if kept.made_at < now:
+            target = target_of(unpack(kept.packed).image, unpack_elevation(kept.packed))
+            packed = with_target(kept.packed, target)
+            self.nbytes += packed.nbytes - kept.packed.nbytes
+            self._kept[place] = replace(kept, packed=packed, made_at=now)
 
     def draw(self, count: int) -> list[TrainingFrame]:
         """`count` frames at random, with repetition."""
@@ -79,7 +104,7 @@ class ReplayMemory:
 
     def snapshot(self) -> Snapshot:
         """All that is held, but for the random state."""
-        blobs = [part for kept in self._kept for part in (kept.packed.image, kept.packed.labels)]
+        blobs = [blob for kept in self._kept for blob in astuple(kept.packed)]
         sketch = np.zeros(0, np.uint8) if self._sketch is None else self._sketch
         tensors = {
             "blobs": torch.from_numpy(np.frombuffer(b"".join(blobs) or b"\0", np.uint8).copy()),
@@ -88,6 +113,7 @@ class ReplayMemory:
         values = {
             "keys": [kept.key for kept in self._kept],
             "numbers": self.numbers(),
+            "made_at": [kept.made_at for kept in self._kept],
             "lengths": [len(blob) for blob in blobs],
             "seen": self.seen,
         }
@@ -98,8 +124,9 @@ class ReplayMemory:
         values, content = snapshot.values, snapshot.tensors["blobs"].numpy().tobytes()
         ends = np.cumsum([0, *values["lengths"]])
         blobs = [content[start:end] for start, end in pairwise(ends)]
-        packed = [PackedFrame(*pair) for pair in zip(blobs[::2], blobs[1::2], strict=True)]
-        self._kept = [_Kept(*one) for one in zip(values["keys"], values["numbers"], packed, strict=True)]
+        packed = [PackedFrame(*parts) for parts in zip(blobs[::3], blobs[1::3], blobs[2::3], strict=True)]
+        columns = (values["keys"], values["numbers"], packed, values["made_at"])
+        self._kept = [_Kept(*one) for one in zip(*columns, strict=True)]
         self.nbytes = sum(one.nbytes for one in packed)
         self.seen = values["seen"]
         sketch = snapshot.tensors["sketch"].numpy()

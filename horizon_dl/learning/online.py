@@ -16,7 +16,8 @@ from horizon_dl.frames.frame import Frame
 from horizon_dl.geometry.view import View
 from horizon_dl.learning.averaging import averaged
 from horizon_dl.learning.checkpoint import Snapshot
-from horizon_dl.learning.crops import Batch, TrainingFrame, draw_batch, training_frame
+from horizon_dl.learning.coarse import coarse_frame, coarse_target, half_elevation
+from horizon_dl.learning.crops import Batch, TrainingFrame, draw_batch
 from horizon_dl.learning.memory import ReplayMemory
 from horizon_dl.learning.module import horizon_loss
 from horizon_dl.learning.packing import PackedFrame, unpack
@@ -25,11 +26,7 @@ from horizon_dl.learning.views import any_view
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.obstacles.percentile import RunningPercentile
-from horizon_dl.uncertainty.dropout import (
-    p_above_of_all_depths,
-    sample_p_above,
-    single_pass_p_above,
-)
+from horizon_dl.uncertainty.dropout import sample_p_above, single_pass_p_above
 from horizon_dl.uncertainty.measures import Measures, binary_entropy
 from horizon_dl.uncertainty.summary import net_measures
 
@@ -38,7 +35,9 @@ Map = NDArray[np.float32]
 NEWEST_CROPS = 1
 """Crops of the newest frame in every batch; the others come from the memory."""
 FIRST_GUIDED_FRAME = 10
-"""From this frame on the targets also follow the edges in what the net has learned."""
+"""From this frame on the targets also follow the edges in what the net has learned; one old target a frame is
+made anew."""
+UNGUIDED = -1
 THRESHOLD_FRAMES = 50
 """Remembered frames that the threshold is taken from, at most."""
 
@@ -66,6 +65,7 @@ class OnlineLearner:
         self.config = config
         self.frames = 0
         self.dropped = 0
+        self._taken = 0
         self._rng = np.random.default_rng(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
@@ -112,10 +112,14 @@ class OnlineLearner:
 
         So a prediction that is urgent can come between two steps. No checkpoint may.
         """
-        newest = self._training_frame(any_view(seen, self.config.image.max_pixels))
+        view = any_view(seen, self.config.image.max_pixels)
+        guide = self.net if self.frames >= FIRST_GUIDED_FRAME else None
+        newest = coarse_frame(view, self.config, guide)
         if not newest.counts.any():
             return
-        self.memory.add(newest)
+        self.memory.add(newest, half_elevation(view.elevation), UNGUIDED if guide is None else self.frames)
+        if guide is not None:
+            self.memory.renew(self.frames, lambda *old: coarse_target(old[0], old[1], self.config, guide))
         settings = self.config.online
         early = self.frames < settings.warm_up_frames
         self.frames += 1
@@ -152,6 +156,7 @@ class OnlineLearner:
         values = {
             "frames": self.frames,
             "dropped": self.dropped,
+            "taken": self._taken,
             "random": self._rng.bit_generator.state,
             "optimiser": optimiser["param_groups"],
         }
@@ -169,13 +174,14 @@ class OnlineLearner:
         self._optimiser.load_state_dict({"state": states, "param_groups": own.values["optimiser"]})
         self._dropout_state = own.tensors["dropout"]
         self._rng.bit_generator.state = own.values["random"]
-        self.frames, self.dropped = own.values["frames"], own.values["dropped"]
+        self.frames, self.dropped, self._taken = (own.values[name] for name in ("frames", "dropped", "taken"))
         self.memory.restore(snapshot.part("memory"))
 
-    def _training_frame(self, view: View) -> TrainingFrame:
-        guided = self.frames >= FIRST_GUIDED_FRAME
-        return training_frame(
-            view, self.config, p_above_of_all_depths(self.net, view.image) if guided else None
+    def _learning_rate(self) -> float:
+        """High at first, then as one over the number of steps, to a floor."""
+        settings = self.config.online
+        return max(
+            settings.least_rate, settings.learning_rate / (1.0 + self._taken / settings.half_rate_steps)
         )
 
     def _batch(self, newest: TrainingFrame) -> Batch:
@@ -184,6 +190,8 @@ class OnlineLearner:
 
     def _step(self, batch: Batch) -> float:
         """One step, or NaN and everything as before: batch statistics change already on the way forward."""
+        for group in self._optimiser.param_groups:
+            group["lr"] = self._learning_rate()
         self._net.train()
         statistics = [buffer.clone() for buffer in self._net.buffers()]
         with self._own_dropout():
@@ -197,6 +205,7 @@ class OnlineLearner:
                 buffer.copy_(before)
             return math.nan
         self._optimiser.step()
+        self._taken += 1
         self._average.update_parameters(self._net)
         return loss.item()
 

@@ -1,13 +1,19 @@
-"""Training frames in little memory: the image as JPEG, target and mask as one compressed byte a pixel."""
+"""Training frames in little memory: the image as JPEG, target and mask as one compressed byte a pixel.
+
+The elevation is kept at half the size, so that the target can be made anew.
+"""
 
 import io
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from horizon_dl.learning.crops import TrainingFrame
+
+Map = NDArray[np.float32]
 
 JPEG_QUALITY = 95
 TARGET_STEPS = 254
@@ -20,29 +26,35 @@ _TARGET_OF_BYTE[IGNORED] = 0
 
 @dataclass(frozen=True)
 class PackedFrame:
-    """A training frame of about a seventh of its size.
+    """A training frame of about a fifth of its size.
 
     Attributes:
         image: JPEG file without colour subsampling, off by one or two grey levels.
         labels: zlib stream of one byte a pixel.
+        elevation: zlib stream of float16, rad, at half the size.
     """
 
     image: bytes
     labels: bytes
+    elevation: bytes
 
     @property
     def nbytes(self) -> int:
         """Bytes held."""
-        return len(self.image) + len(self.labels)
+        return len(self.image) + len(self.labels) + len(self.elevation)
 
 
-def pack(frame: TrainingFrame) -> PackedFrame:
-    """Compress; takes about 1.5 ms at 320x240."""
+def pack(frame: TrainingFrame, elevation: Map) -> PackedFrame:
+    """Compress a frame and its (h // 2, w // 2) elevation; takes about 2 ms at 320x240."""
     file = io.BytesIO()
     Image.fromarray(frame.image).save(file, "JPEG", quality=JPEG_QUALITY, subsampling=0)
-    steps = np.rint(frame.target.astype(np.float32) * TARGET_STEPS).astype(np.uint8)
-    labels = np.where(frame.counts, steps, np.uint8(IGNORED))
-    return PackedFrame(file.getvalue(), zlib.compress(labels.tobytes(), level=1))
+    angles = zlib.compress(elevation.astype(np.float16).tobytes(), level=1)
+    return PackedFrame(file.getvalue(), _pack_labels(frame.target, frame.counts), angles)
+
+
+def with_target(packed: PackedFrame, target: NDArray[np.float16]) -> PackedFrame:
+    """The same frame with another (h, w) target."""
+    return replace(packed, labels=_pack_labels(target, unpack(packed).counts))
 
 
 def unpack(packed: PackedFrame) -> TrainingFrame:
@@ -50,3 +62,15 @@ def unpack(packed: PackedFrame) -> TrainingFrame:
     image = np.asarray(Image.open(io.BytesIO(packed.image)))
     labels = np.frombuffer(zlib.decompress(packed.labels), np.uint8).reshape(image.shape[:2])
     return TrainingFrame(image, _TARGET_OF_BYTE[labels], labels != IGNORED)
+
+
+def unpack_elevation(packed: PackedFrame) -> Map:
+    """The (h // 2, w // 2) elevation, rad, to about 1e-3 of itself."""
+    width, height = Image.open(io.BytesIO(packed.image)).size
+    angles = np.frombuffer(zlib.decompress(packed.elevation), np.float16)
+    return angles.reshape(height // 2, width // 2).astype(np.float32)
+
+
+def _pack_labels(target: NDArray[np.float16], counts: NDArray[np.bool_]) -> bytes:
+    steps = np.rint(target.astype(np.float32) * TARGET_STEPS).astype(np.uint8)
+    return zlib.compress(np.where(counts, steps, np.uint8(IGNORED)).tobytes(), level=1)

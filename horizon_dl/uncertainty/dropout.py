@@ -22,25 +22,32 @@ def sample_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> Map:
     Source: Gal and Ghahramani, Dropout as a Bayesian approximation, ICML 2016.
     """
     net.eval()
-    return _probabilities(net.sample_logits(net.encode(image_tensor(image))), image)
+    return _probabilities(net.sample_logits(net.encode(image_tensor(image))), image.shape[:2])
 
 
 @torch.inference_mode()
 def single_pass_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> Map:
     """`p_above` of one image without dropout, (1, h, w) in [0, 1]."""
     net.eval()
-    return _probabilities(net.deep.classifier(net.encode(image_tensor(image))), image)
+    return _probabilities(net.deep.classifier(net.encode(image_tensor(image))), image.shape[:2])
 
 
 @torch.inference_mode()
-def p_above_of_all_depths(net: HorizonFCN, image: NDArray[np.uint8]) -> Map:
-    """Mean of the probabilities that the heads at all depths give, without dropout, (h, w) in [0, 1]."""
+def p_above_of_all_depths(
+    net: HorizonFCN, image: NDArray[np.uint8], size: tuple[int, ...] | None = None
+) -> Map:
+    """Mean of the probabilities that the heads at all depths give, without dropout, in [0, 1].
+
+    Args:
+        net: with one or more heads.
+        image: (h, w, 3) uint8 RGB.
+        size: height and width of the result; that of the image if left out.
+    """
     net.eval()
-    mean: Map = _probabilities(net(image_tensor(image)), image).mean(axis=0)
+    mean: Map = _probabilities(net(image_tensor(image)), size or image.shape[:2]).mean(axis=0)
     return mean
 
 
-def _probabilities(logits: Tensor, image: NDArray[np.uint8]) -> Map:
-    height, width = image.shape[:2]
-    p: Map = enlarge(logits.sigmoid(), (height, width))[0].numpy()
+def _probabilities(logits: Tensor, size: tuple[int, ...]) -> Map:
+    p: Map = enlarge(logits.sigmoid(), (size[0], size[1]))[0].numpy()
     return p

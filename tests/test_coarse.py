@@ -1,0 +1,55 @@
+"""Targets at half the size are those of the halved view."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from horizon_dl.config import load_config
+from horizon_dl.geometry.view import View
+from horizon_dl.learning.coarse import coarse_frame, coarse_target, half_elevation
+from horizon_dl.learning.crops import training_frame
+from horizon_dl.targets.geodesic import geodesic_target
+
+
+def a_view(shape=(48, 65)) -> View:
+    rows, columns = np.mgrid[: shape[0], : shape[1]]
+    elevation = ((shape[0] / 2 - rows) * 0.02).astype(np.float32)
+    image = np.where(elevation[..., None] > 0, (150, 190, 230), (90, 100, 60)).astype(np.uint8)
+    image[5:40, 20:30] = (200, 90, 30)
+    return View("view", 0.0, image + (columns % 2).astype(np.uint8)[..., None], elevation)
+
+
+@given(
+    arrays(np.float32, st.tuples(st.integers(2, 9), st.integers(2, 9)), elements=st.floats(-1, 1, width=32))
+)
+def test_elevation_is_the_mean_of_blocks(elevation):
+    half = half_elevation(elevation)
+    assert half.shape == (elevation.shape[0] // 2, elevation.shape[1] // 2)
+    for row, column in np.ndindex(half.shape):
+        block = elevation[2 * row : 2 * row + 2, 2 * column : 2 * column + 2].astype(np.float64)
+        assert half[row, column] == pytest.approx(block.mean(), abs=1e-6)
+
+
+def test_a_pixel_without_ray_spoils_its_block_alone():
+    elevation = np.zeros((4, 4), np.float32)
+    elevation[0, 3] = np.nan
+    assert np.isnan(half_elevation(elevation)).tolist() == [[False, True], [False, False]]
+
+
+def test_the_coarse_target_is_near_the_fine_one():
+    view, config = a_view(), load_config()
+    coarse, fine = coarse_frame(view, config, None), training_frame(view, config)
+    assert coarse.target.shape == fine.target.shape
+    assert np.array_equal(coarse.counts, fine.counts)
+    assert np.abs(coarse.target.astype(float) - fine.target.astype(float)).mean() < 0.06
+
+
+def test_the_coarse_target_is_that_of_the_halved_view():
+    view = a_view((48, 64))
+    half = view.image.reshape(24, 2, 32, 2, 3).mean(axis=(1, 3)).round().astype(np.uint8)
+    expected = geodesic_target(half, half_elevation(view.elevation))
+    found = coarse_target(view.image, half_elevation(view.elevation), load_config(), None)
+    np.testing.assert_allclose(found[::2, ::2], expected, atol=0.02)
+    assert np.array_equal(found[::2, ::2], found[1::2, 1::2])
