@@ -286,7 +286,6 @@ def test_export_and_try(tmp_path):
     tried = export_and_try(small_run(), open_recording(toy_set()), tmp_path)
     assert tried.path == tmp_path / "model.onnx"
     assert tried.difference < TOLERANCE
-    assert 0 < tried.obstacle_share < 1
     assert tried.median_ms > 0
     assert "MB" in tried.lines()[0]
-    assert f"run on {tried.frame}" in tried.lines()[1]
+    assert "ms a frame" in tried.lines()[1]
