@@ -171,8 +171,8 @@ def test_any_coarse_score_is_counted_exactly(tenths, positive, band):
 
 def test_memory_does_not_grow():
     roc = filled(SCORES["random"])
-    before = roc._counts.nbytes
+    before = roc.counts.nbytes
     for _ in range(5):
         roc.add(SCORES["random"], POSITIVE, DEPRESSION)
-    assert roc._counts.nbytes == before
+    assert roc.counts.nbytes == before
     assert roc.result().positives == 6 * POSITIVE.sum()

@@ -57,25 +57,11 @@ def run(arguments: argparse.Namespace) -> None:
 
 def learned_run(result: "Comparison", recording: "Recording", config: "Config") -> "Run":
     """What was learned in the one pass, ready to be exported."""
-    from dataclasses import asdict
-
-    from horizon_dl.learning.run import Run
     from horizon_dl.learning.store import FrameStore
-    from horizon_dl.learning.train import entropy_threshold
+    from horizon_dl.learning.train import finished_run
 
     assert result.net is not None
-    frames = range(len(recording.entries))
-    info = {
-        "data": recording.name,
-        "format": recording.format,
-        "camera": asdict(recording.camera),
-        "frames": len(frames) - len(result.skipped),
-        "skipped": result.skipped,
-        "train_s": result.tallies["cnn"][0].train_s,
-        "threshold": entropy_threshold(result.net, FrameStore(recording, config), frames),
-        "threshold_rule": f"percentile-{config.threshold.percentile:g}",
-    }
-    return Run(result.net.eval(), config, info)
+    return finished_run(result.net, FrameStore(recording, config), result.tallies["cnn"][0].train_s)
 
 
 def with_truth_of_every(step: int, recording: "Recording") -> "Recording":

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.errors import FrameError
 from horizon_dl.frames.frame import Frame, RangeUnit, Recording, Truth
 from horizon_dl.frames.loading import load_counts
 from horizon_dl.geometry.rays import camera_rays
@@ -34,6 +35,23 @@ def load_range(recording: Recording, index: int) -> Floats | None:
     height, width = counts.shape
     directions = camera_rays(recording.camera.scaled(width, height)).directions
     return level_distance(counts, entry.range_unit, directions, up_cam)
+
+
+class FrameRanges:
+    """The level distances measured with the frames of a recording, by frame."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self._index = {entry.name: index for index, entry in enumerate(recording.entries)}
+
+    def of(self, frame: Frame) -> Floats | None:
+        """As `load_range`; None also for a frame of another recording and for a file that cannot be read."""
+        if frame.name not in self._index:
+            return None
+        try:
+            return load_range(self._recording, self._index[frame.name])
+        except FrameError:
+            return None
 
 
 def level_distance(

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.errors import FrameError
-from horizon_dl.evaluation.range_truth import load_range, true_obstacles
+from horizon_dl.evaluation.range_truth import FrameRanges, true_obstacles
 from horizon_dl.evaluation.ranging import RangingTally
 from horizon_dl.frames.frame import Frame, Recording
 from horizon_dl.obstacles.ranging import p_of_entropy
@@ -29,8 +28,7 @@ class RangingBlock:
 
     def __init__(self, recording: Recording) -> None:
         near_m, far_m = ON_THE_ROAD_M if recording.format == "kitti" else INDOORS_M
-        self._recording = recording
-        self._index = {entry.name: index for index, entry in enumerate(recording.entries)}
+        self._ranges = FrameRanges(recording)
         self._everything = RangingTally(near_m, far_m)
         self._connected = RangingTally(near_m, far_m, connected_only=True)
         self._true_floor = RangingTally(near_m, far_m)
@@ -43,7 +41,7 @@ class RangingBlock:
             p_above: (h, w) a learner's, at any size of the frame's aspect.
             threshold: the learner's entropy threshold, bits: what a floor has at most.
         """
-        range_m = self._range(frame)
+        range_m = self._ranges.of(frame)
         if range_m is None or frame.truth is None:
             return
         for tally in (self._everything, self._connected):
@@ -59,11 +57,3 @@ class RangingBlock:
             "connected": self._connected.metrics(),
             "true_floor": self._true_floor.metrics(),
         }
-
-    def _range(self, frame: Frame) -> NDArray[np.float32] | None:
-        if frame.name not in self._index:
-            return None
-        try:
-            return load_range(self._recording, self._index[frame.name])
-        except FrameError:
-            return None

@@ -8,8 +8,7 @@ parted into those of things that reach the camera's height and those of things t
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.errors import FrameError
-from horizon_dl.evaluation.range_truth import load_range, nearest
+from horizon_dl.evaluation.range_truth import FrameRanges, nearest
 from horizon_dl.evaluation.tally import ScoredPixels
 from horizon_dl.frames.frame import Frame, Recording, Truth
 from horizon_dl.geometry.horizon import elevation
@@ -30,8 +29,7 @@ class SecondTruth:
     """Parts the scored obstacle pixels of a recording's frames by the ranges measured with them."""
 
     def __init__(self, recording: Recording) -> None:
-        self._recording = recording
-        self._index = {entry.name: index for index, entry in enumerate(recording.entries)}
+        self._ranges = FrameRanges(recording)
 
     def parts(self, frame: Frame, below: ScoredPixels) -> dict[str, ScoredPixels]:
         """`crossing` and `low`: all floor pixels with the one or the other kind of obstacle.
@@ -42,7 +40,7 @@ class SecondTruth:
             frame: of the recording.
             below: its scored pixels below the horizon.
         """
-        range_m = self._range(frame)
+        range_m = self._ranges.of(frame)
         if range_m is None or frame.truth is None or frame.up_cam is None:
             return {}
         kind = obstacle_kinds(frame.truth, range_m, _elevation(frame, range_m))[below.mask]
@@ -50,14 +48,6 @@ class SecondTruth:
             name: below.keep(~below.obstacle | (kind == wanted))
             for name, wanted in (("crossing", CROSSING), ("low", LOW))
         }
-
-    def _range(self, frame: Frame) -> Floats | None:
-        if frame.name not in self._index:
-            return None
-        try:
-            return load_range(self._recording, self._index[frame.name])
-        except FrameError:
-            return None
 
 
 def obstacle_kinds(truth: Labels, range_m: Floats, elevation_rad: Floats) -> Labels:

@@ -49,7 +49,7 @@ def restored_tally(snapshot: Snapshot) -> Tally:
 
 def roc_snapshot(roc: RocAccumulator) -> Snapshot:
     """The places of a histogram that hold anything, and how much."""
-    counts = roc._counts.ravel()
+    counts = roc.counts.ravel()
     places = np.flatnonzero(counts)
     return Snapshot(
         {
@@ -62,15 +62,15 @@ def roc_snapshot(roc: RocAccumulator) -> Snapshot:
 def restored_roc(snapshot: Snapshot) -> RocAccumulator:
     """The histogram of a snapshot."""
     roc = RocAccumulator()
-    roc._counts.ravel()[snapshot.tensors["places"].numpy()] = snapshot.tensors["counts"].numpy()
+    roc.counts.ravel()[snapshot.tensors["places"].numpy()] = snapshot.tensors["counts"].numpy()
     return roc
 
 
 def percentile_snapshot(percentile: RunningPercentile) -> Snapshot:
     """The scores counted so far."""
-    return Snapshot({"counts": torch.from_numpy(percentile._counts)})
+    return Snapshot({"counts": torch.from_numpy(percentile.counts)})
 
 
 def restore_percentile(percentile: RunningPercentile, snapshot: Snapshot) -> None:
     """The scores of a snapshot in place of those counted."""
-    percentile._counts[:] = snapshot.tensors["counts"].numpy()
+    percentile.counts[:] = snapshot.tensors["counts"].numpy()

@@ -128,7 +128,13 @@ def train_run(
     indices = range(len(recording.entries))
     start = time.perf_counter()
     net = train_net(store, indices, seed=config.seed, log_dir=log_dir, progress=progress)
-    train_s = time.perf_counter() - start
+    return finished_run(net, store, time.perf_counter() - start)
+
+
+def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
+    """A net trained on all frames of a recording, with its threshold and what is known of its training."""
+    recording, config = store.recording, store.config
+    indices = range(len(recording.entries))
     info = {
         "data": recording.name,
         "format": recording.format,
@@ -139,7 +145,7 @@ def train_run(
         "threshold": entropy_threshold(net, store, indices),
         "threshold_rule": f"percentile-{config.threshold.percentile:g}",
     }
-    return Run(net, config, info)
+    return Run(net.eval(), config, info)
 
 
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:
