@@ -191,8 +191,7 @@ def parsed(*arguments: str) -> argparse.Namespace:
 
 def film_of(path: Path, frames: int) -> Path:
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 20.0, (32, 24))
-    if not writer.isOpened():
-        pytest.skip("this OpenCV writes no video")
+    assert writer.isOpened()
     for _ in range(frames):
         writer.write(np.full((24, 32, 3), 90, np.uint8))
     writer.release()

@@ -148,8 +148,7 @@ def test_a_video_is_played_at_its_own_rate(tmp_path: Path) -> None:
 
     path = tmp_path / "v.avi"
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10.0, (32, 24))
-    if not writer.isOpened():
-        pytest.skip("this OpenCV writes no video")
+    assert writer.isOpened()
     for _ in range(4):
         writer.write(np.full((24, 32, 3), (250, 0, 0), np.uint8))  # blue, in OpenCV's order
     writer.release()
