@@ -33,7 +33,6 @@ from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM, MessageShape, dista
 from horizon_dl.onboard.pictures import LatestPicture, Picture  # noqa: E402
 from horizon_dl.onboard.sighting import Sighting, forward_in_camera, model_rays  # noqa: E402
 from horizon_dl.onboard.transport import UdpIn, UdpOut, open_transport  # noqa: E402
-from horizon_dl.onboard.watchdog import Watchdog  # noqa: E402
 
 CAMERA = Camera("pinhole", 80, 60, 60.0, 60.0, 39.5, 29.5)
 MOUNT = (0.0, math.radians(-15), 0.0)
@@ -337,7 +336,7 @@ def test_texts_are_cut_to_what_fits() -> None:
 
 
 def test_attitude_and_height_of_messages() -> None:
-    autopilot = Autopilot(Watchdog(time.monotonic))
+    autopilot = Autopilot()
     roll = quaternion_from_rpy(math.radians(60), 0.0, 0.0)
     q = SimpleNamespace(
         get_type=lambda: "ATTITUDE_QUATERNION",
@@ -366,7 +365,7 @@ def test_attitude_and_height_of_messages() -> None:
 
 
 def test_attitude_in_angles_is_the_same_attitude() -> None:
-    autopilot = Autopilot(Watchdog(time.monotonic))
+    autopilot = Autopilot()
     angles = SimpleNamespace(get_type=lambda: "ATTITUDE", time_boot_ms=10, roll=0.1, pitch=-0.2, yaw=3.0)
     autopilot.take(angles, 5.0)
     np.testing.assert_allclose(autopilot.buffer.at(5.0), quaternion_from_rpy(0.1, -0.2, 3.0))
@@ -497,7 +496,7 @@ def test_mavsdk_as_the_autopilot_sends_attitude_and_reads_the_distances() -> Non
     fields = {"time_boot_ms": 1234, "rollspeed": 0.0, "pitchspeed": 0.0, "yawspeed": 0.0}
     fields |= {f"q{index + 1}": float(value) for index, value in enumerate(q)}
     direct.send_message(MavlinkMessage("ATTITUDE_QUATERNION", 1, 1, 0, 0, json.dumps(fields)))
-    autopilot = Autopilot(Watchdog(time.monotonic))
+    autopilot = Autopilot()
 
     def attitude_came() -> bool:
         for message in link.receive(0.05):

@@ -155,9 +155,20 @@ def test_learning_goes_on_while_no_checkpoint_can_be_written(toy, whole, tmp_pat
     assert run.keeper.failed == 7
     assert "no checkpoint (No space left on device); learning goes on" in capsys.readouterr().err
     assert read_checkpoint(out / "checkpoint.safetensors").values["place"]["position"] == 20
+    run.keeper.close()
     finish(toy, out)
     assert_same_run(out, whole)
     assert json.loads((out / "run.json").read_text())["online"]["checkpoints_failed"] == 0
+
+
+def test_a_second_learner_in_a_folder_is_one_line(toy, tmp_path, capsys):
+    out = tmp_path / "run"
+    first = tiny_run(toy, out, max_frames=2)
+    assert main(["online", str(toy), "--out", str(out), *tiny_options()]) == 2
+    assert "is written by another learner" in capsys.readouterr().err
+    first.run()
+    first.finish()
+    assert main(["online", str(toy), "--out", str(out), *tiny_options()]) == 0
 
 
 def test_a_disk_full_from_the_start_is_one_line(toy, tmp_path, monkeypatch, capsys):

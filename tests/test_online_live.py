@@ -2,9 +2,11 @@
 
 import argparse
 import json
+import socket
 import threading
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,9 +23,13 @@ from horizon_dl.evaluation.real_time import LEFT_OUT, Arrivals, RealTime, run_in
 from horizon_dl.export.export import export_run, trained_camera
 from horizon_dl.frames.formats import open_recording
 from horizon_dl.frames.loading import load_frame
+from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
+from horizon_dl.geometry.calibration import read_calibration
+from horizon_dl.learning.live import live_stream
 from horizon_dl.learning.run import Run
 from horizon_dl.learning.stream import Arrival, recorded_stream, video_stream
 from horizon_dl.onboard.followed import FollowedModel
+from horizon_dl.onboard.mavlink import open_link
 from horizon_dl.output import write_bytes
 
 
@@ -171,6 +177,87 @@ def test_wrong_videos_are_one_line(film, tmp_path, capsys, options, words):
     named = [places.get(word, word) for word in options]
     assert main(["online", str(film), "--out", str(tmp_path / "run"), *named]) == 2
     assert words in capsys.readouterr().err
+
+
+@contextmanager
+def autopilot(quaternion: tuple[float, ...]) -> Iterator[str]:
+    """Sends its attitude 50 times a second to whoever has sent it a heartbeat; its address."""
+    common = pytest.importorskip("pymavlink.dialects.v20.common")
+    line = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    line.bind(("127.0.0.1", 0))
+    line.settimeout(0.02)
+    stop = threading.Event()
+
+    def send() -> None:
+        codec, address = common.MAVLink(None, 1, 1), None
+        while not stop.is_set():
+            with suppress(TimeoutError):
+                content, address = line.recvfrom(1000)
+                assert common.MAVLink(None).parse_char(content).get_type() == "HEARTBEAT"
+            if address and quaternion:
+                now_ms = int(time.monotonic() * 1e3)
+                message = common.MAVLink_attitude_quaternion_message(now_ms, *quaternion, 0, 0, 0)
+                line.sendto(message.pack(codec), address)
+
+    thread = threading.Thread(target=send, daemon=True)
+    thread.start()
+    yield f"udpout:127.0.0.1:{line.getsockname()[1]}"
+    stop.set()
+    thread.join(2)
+    line.close()
+
+
+def test_a_camera_is_learned_from_with_the_autopilots_attitude(film, tmp_path, capsys):
+    camera, out = tmp_path / "camera.yaml", tmp_path / "run"
+    pitched = quaternion_from_rpy(0.0, -0.2, 1.0)
+    options = ["--camera", str(camera), "--out", str(out), *tiny_options()]
+    with autopilot(tuple(pitched)) as url:
+        assert main(["online", str(film), "--mavlink", url, *options, "--max-frames", "9"]) == 0
+        assert main(["online", str(film), "--mavlink", url, *options, "--max-frames", "14"]) == 0
+        calibration = read_calibration(camera)
+        frames = [
+            one.frame for one in live_stream(str(film), calibration, lambda: open_link(url)).arrivals(0)
+        ]
+    lines = frame_lines(out)
+    assert [line["index"] for line in lines] == list(range(14))
+    # A frame may come before the first attitude, or before there is time to learn from it; the clock goes on.
+    assert sum(line["learned"] for line in lines) >= 4
+    steps = np.diff([line["time_s"] for line in lines[:9]])
+    assert steps.min() > 0.05
+    assert np.median(steps) == pytest.approx(0.1, abs=0.02)
+    info = json.loads((out / "run.json").read_text())
+    assert info["format"] == "live"
+    assert info["real_time"]["count"] == 5
+    wanted = up_in_camera(pitched, calibration.mount_rpy_rad)
+    known = [frame.up_cam for frame in frames if frame and frame.up_cam is not None]
+    assert len(frames) == 16
+    assert len(known) >= 12
+    np.testing.assert_allclose(known, np.tile(wanted, (len(known), 1)), atol=1e-6)
+    assert "going on at frame 9" in capsys.readouterr().err
+
+
+def test_an_autopilot_that_is_silent_is_one_line(film, tmp_path, capsys):
+    with autopilot(()) as url:
+        options = ["--camera", str(tmp_path / "camera.yaml"), "--out", str(tmp_path / "run"), *tiny_options()]
+        assert main(["online", str(film), "--mavlink", url, *options]) == 2
+    assert "no attitude: 16" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--mavlink", "udpout:127.0.0.1:9"], "--camera"),
+        (["--mavlink", "carrier pigeon", "--camera", "CAMERA"], "carrier pigeon"),
+        (["--mavlink", "udpout:127.0.0.1:9", "--camera", "CAMERA", "--speed", "2"], "--speed"),
+        (["--mavlink", "udpout:127.0.0.1:9", "--camera", "CAMERA", "--camera-delay", "3"], "--camera-delay"),
+    ],
+)
+def test_wrong_autopilots_are_one_line(film, tmp_path, capsys, options, words):
+    named = [str(tmp_path / "camera.yaml") if word == "CAMERA" else word for word in options]
+    assert main(["online", str(film), "--out", str(tmp_path / "run"), *named]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert error.count("\n") == 1
 
 
 def other_export(threshold: float, width: int = 96) -> bytes:

@@ -13,7 +13,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import positive_int
+from horizon_dl.cli.options import add_autopilot, check_autopilot, positive_int
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -49,13 +49,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--camera", type=Path, metavar="FILE", help="camera.yaml: mount, and how to turn images"
     )
     parser.add_argument(
-        "--camera-delay",
-        type=float,
-        default=0.0,
-        metavar="S",
-        help="from exposure to arrival of a picture; its attitude is that much older (default: 0)",
-    )
-    parser.add_argument(
         "--height",
         type=float,
         metavar="M",
@@ -77,12 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="only obstacles that reach the horizon: no mats, no paint",
     )
-    parser.add_argument(
-        "--system", type=positive_int, default=1, metavar="ID", help="of the vehicle (default: 1)"
-    )
-    parser.add_argument(
-        "--signing-key", type=Path, metavar="FILE", help="MAVLink 2 signing: key or pass phrase"
-    )
+    add_autopilot(parser)
     parser.add_argument(
         "--threads", type=positive_int, default=1, metavar="N", help="of the model (default: 1)"
     )
@@ -99,9 +87,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     from horizon_dl.onboard.fly import Fly
     from horizon_dl.onboard.followed import FollowedModel
-    from horizon_dl.onboard.mavlink import Link, read_signing_key
+    from horizon_dl.onboard.mavlink import open_link
     from horizon_dl.onboard.sighting import Sighting
-    from horizon_dl.onboard.transport import open_transport
     from horizon_dl.output import write_json
 
     recording = _recording(arguments)
@@ -115,8 +102,7 @@ def run(arguments: argparse.Namespace) -> None:
     frames = arguments.filter or (1 if settings.recorded_attitude else 3)
     sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
     sighting.connected_only = arguments.connected_only
-    key = None if arguments.signing_key is None else read_signing_key(arguments.signing_key)
-    link = Link(open_transport(arguments.mavlink), arguments.system, key)
+    link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
     flight = Fly(sighting, link, settings, time.monotonic)
     # A service is stopped by SIGTERM: the autopilot has to be told then, too.
     before = signal.signal(signal.SIGTERM, lambda *_: flight.stop())
@@ -158,8 +144,8 @@ def _settings(
     from horizon_dl.errors import InputError
     from horizon_dl.onboard.fly import FlySettings
     from horizon_dl.onboard.obstacle_distance import MessageShape
-    from horizon_dl.onboard.watchdog import STALE_S
 
+    check_autopilot(arguments)
     attitude = arguments.attitude or ("autopilot" if recording is None else "recorded")
     if attitude == "recorded" and recording is None:
         raise InputError(
@@ -175,8 +161,6 @@ def _settings(
         raise InputError(
             f"--filter {arguments.filter}", "is even, a median needs an odd number", "take 1, 3 or 5"
         )
-    if arguments.system > 255:
-        raise InputError(f"--system {arguments.system}", "is no MAVLink system id", "take 1 to 255")
     if not arguments.speed > 0:
         raise InputError(f"--speed {arguments.speed:g}", "is not positive", "take 1 for real time")
     try:
@@ -187,12 +171,6 @@ def _settings(
         raise InputError(
             "--min-distance, --max-distance", "make no interval", "take for example 0.2 and 10"
         ) from None
-    if not 0 <= arguments.camera_delay < STALE_S:
-        raise InputError(
-            f"--camera-delay {arguments.camera_delay:g}",
-            f"is not from 0 to {STALE_S:g}",
-            "with a camera that slow every sector is unknown",
-        )
     if arguments.height is not None and not 0 < arguments.height < 1000:
         raise InputError(f"--height {arguments.height:g}", "is no height in metres", "take 0 to 1000")
     return FlySettings(

@@ -4,6 +4,8 @@
   horizon-dl online DATA --out RUN --real-time              its frames at the times at which they were taken
   horizon-dl online FILM.mp4 --attitude LOG.csv --camera camera.yaml --out RUN
                                                             LOG: time_s,roll_rad,pitch_rad,yaw_rad
+  horizon-dl online camera:0 --mavlink udpin:127.0.0.1:14551 --camera camera.yaml --out RUN
+                                                            a camera, with the autopilot's attitude
 
 RUN then holds frames.jsonl (one line a frame), TensorBoard logs, a checkpoint, and all of a run folder, with
 metrics.json. Stopped or killed, the same command goes on where the last checkpoint was taken.
@@ -13,7 +15,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import add_config, add_data, add_out, positive_int, resolve_config
+from horizon_dl.cli.options import (
+    add_autopilot,
+    add_config,
+    add_format,
+    add_out,
+    check_autopilot,
+    positive_int,
+    resolve_config,
+)
 
 if TYPE_CHECKING:
     from horizon_dl.evaluation.online_run import OnlineRun
@@ -23,7 +33,10 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
-    add_data(parser)
+    parser.add_argument(
+        "data", metavar="DATA", help="folder of the image set, video file, camera:0, or a stream's address"
+    )
+    add_format(parser)
     add_config(parser)
     add_out(parser)
     parser.add_argument("--restart", action="store_true", help="do not go on from the checkpoint in RUN")
@@ -43,7 +56,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--speed", type=positive_seconds, metavar="X", help="of --real-time (default: 1)")
     parser.add_argument("--attitude", type=Path, metavar="CSV", help="attitude log of a video")
-    parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.yaml of a video")
+    parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.yaml of a video or camera")
+    parser.add_argument(
+        "--mavlink", metavar="URL", help="autopilot with the attitude of a camera, in real time; as of `fly`"
+    )
+    add_autopilot(parser)
 
 
 def positive_seconds(text: str) -> float:
@@ -63,8 +80,8 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.evaluation.online_run import OnlineRun
     from horizon_dl.evaluation.real_time import run_in_real_time
 
-    if arguments.speed is not None and not arguments.real_time:
-        raise InputError("--speed", "has no meaning without --real-time", "add it")
+    if arguments.speed is not None and (stream.live or not arguments.real_time):
+        raise InputError("--speed", "has no meaning without --real-time, nor with --mavlink", "leave it out")
     online = OnlineRun(
         stream,
         config,
@@ -79,7 +96,7 @@ def run(arguments: argparse.Namespace) -> None:
         online.keeper.say(f"going on at frame {online.position} of {stream.name}")
     more: dict[str, Any] = {}
     with _stopping(online):
-        if arguments.real_time:
+        if arguments.real_time or stream.live:
             more = {"real_time": run_in_real_time(online, arguments.speed or 1.0)}
         else:
             online.run()
@@ -92,13 +109,35 @@ def _source(arguments: argparse.Namespace) -> "tuple[Recording | None, Stream]":
     from horizon_dl.frames.formats import open_recording
     from horizon_dl.learning.stream import recorded_stream, video_stream
 
-    if arguments.data.is_dir() or not (arguments.attitude or arguments.camera or arguments.data.is_file()):
-        recording = open_recording(arguments.data, arguments.format)
+    if arguments.mavlink is not None:
+        return None, _live(arguments)
+    path = Path(arguments.data)
+    if path.is_dir() or not (arguments.attitude or arguments.camera or path.is_file()):
+        recording = open_recording(path, arguments.format)
         return recording, recorded_stream(recording)
     if arguments.attitude is None or arguments.camera is None:
         missing = "--camera" if arguments.attitude else "--attitude"
-        raise InputError(arguments.data, f"is a video without {missing}", "a video needs both; see --help")
-    return None, video_stream(arguments.data, arguments.attitude, arguments.camera)
+        raise InputError(path, f"is a video without {missing}", "a video needs both; see --help")
+    return None, video_stream(path, arguments.attitude, arguments.camera)
+
+
+def _live(arguments: argparse.Namespace) -> "Stream":
+    from horizon_dl.errors import InputError
+    from horizon_dl.geometry.calibration import read_calibration
+    from horizon_dl.learning.live import live_stream
+    from horizon_dl.onboard.mavlink import open_link
+
+    if arguments.camera is None:
+        raise InputError(
+            "--camera", "is missing", "name the camera.yaml that tells how the camera is mounted"
+        )
+    check_autopilot(arguments)
+    return live_stream(
+        arguments.data,
+        read_calibration(arguments.camera),
+        lambda: open_link(arguments.mavlink, arguments.system, arguments.signing_key),
+        arguments.camera_delay,
+    )
 
 
 def _stopping(online: "OnlineRun") -> Any:

@@ -12,6 +12,11 @@ if TYPE_CHECKING:
 def add_data(parser: argparse.ArgumentParser) -> None:
     """`DATA` and `--format`."""
     parser.add_argument("data", type=Path, metavar="DATA", help="folder of the image set")
+    add_format(parser)
+
+
+def add_format(parser: argparse.ArgumentParser) -> None:
+    """`--format`."""
     parser.add_argument("--format", metavar="NAME", help="format of DATA (recognised if left out)")
 
 
@@ -40,6 +45,38 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="Dask cluster for features, forest and scoring; `local`: processes of this machine",
     )
+
+
+def add_autopilot(parser: argparse.ArgumentParser) -> None:
+    """`--camera-delay`, `--system` and `--signing-key`."""
+    parser.add_argument(
+        "--camera-delay",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="from exposure to arrival of a picture; its attitude is that much older (default: 0)",
+    )
+    parser.add_argument(
+        "--system", type=positive_int, default=1, metavar="ID", help="of the vehicle (default: 1)"
+    )
+    parser.add_argument(
+        "--signing-key", type=Path, metavar="FILE", help="MAVLink 2 signing: key or pass phrase"
+    )
+
+
+def check_autopilot(arguments: argparse.Namespace) -> None:
+    """InputError for values of `add_autopilot` that make no sense."""
+    from horizon_dl.errors import InputError
+    from horizon_dl.onboard.watchdog import STALE_S
+
+    if arguments.system > 255:
+        raise InputError(f"--system {arguments.system}", "is no MAVLink system id", "take 1 to 255")
+    if not 0 <= arguments.camera_delay < STALE_S:
+        raise InputError(
+            f"--camera-delay {arguments.camera_delay:g}",
+            f"is not from 0 to {STALE_S:g}",
+            "an older picture is of no use to a flying robot",
+        )
 
 
 def open_data(arguments: argparse.Namespace) -> "Recording":

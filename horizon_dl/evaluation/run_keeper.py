@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock, Timeout
 from tqdm import tqdm
 
 from horizon_dl.config import Config
@@ -15,13 +16,13 @@ from horizon_dl.evaluation.tensorboard_log import TensorBoardLog
 from horizon_dl.learning.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 from horizon_dl.learning.stream import Stream
 
-CHECKPOINT, FRAMES, LOGS = "checkpoint.safetensors", "frames.jsonl", "logs"
+CHECKPOINT, FRAMES, LOGS, LOCK = "checkpoint.safetensors", "frames.jsonl", "logs", ".lock"
 FREE_KEYS = ("checkpoint_frames", "checkpoint_s")
 """Settings under `online` that may change from one start to the next."""
 
 
 class RunKeeper:
-    """Writes what must outlive the process, and goes on where it cannot.
+    """Writes what must outlive the process, and goes on where it cannot; one at a time in a folder.
 
     Attributes:
         found: the snapshot to go on from, or None.
@@ -36,6 +37,7 @@ class RunKeeper:
         self._settings = config.online
         try:
             folder.mkdir(parents=True, exist_ok=True)
+            self._lock = _locked(folder)
             if restart:
                 _clear(folder)
             self.found = self._read()
@@ -86,6 +88,7 @@ class RunKeeper:
         """Close all files."""
         self._log.close()
         self._curves.close()
+        self._lock.release()
 
     def _read(self) -> Snapshot | None:
         path = self.folder / CHECKPOINT
@@ -108,6 +111,18 @@ class RunKeeper:
 
     def _wait_from(self, position: int) -> None:
         self._last_position, self._last_s = position, time.monotonic()
+
+
+def _locked(folder: Path) -> FileLock:
+    """A lock that ends with the process, however it ends."""
+    lock = FileLock(folder / LOCK)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        raise InputError(
+            folder, "is written by another learner", "stop that one, or give another --out"
+        ) from None
+    return lock
 
 
 def _clear(folder: Path) -> None:

@@ -1,4 +1,7 @@
-"""Streams of frames in the order of their arrival: recorded sets, and videos with an attitude log."""
+"""Streams of frames in the order of their arrival: recorded sets, and videos with an attitude log.
+
+Cameras with an autopilot are in `live`.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -43,10 +46,11 @@ class Stream:
 
     Attributes:
         name: of the data.
-        format: name of the reader, or `video`.
+        format: name of the reader, `video` or `live`.
         camera: intrinsics of the upright images.
         count: number of frames, or None where that is not known.
         arrivals: frames from an index on, in order.
+        live: frames come when they come, and do not wait.
     """
 
     name: str
@@ -54,6 +58,7 @@ class Stream:
     camera: Camera
     count: int | None
     arrivals: Callable[[int], Iterator[Arrival]]
+    live: bool = False
 
 
 def recorded_stream(recording: Recording) -> Stream:

@@ -1,11 +1,21 @@
 """What the autopilot's messages tell: attitude, height, and that it lives."""
 
 import math
+import threading
+import time
+from collections.abc import Callable
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from horizon_dl.geometry.attitude import quaternion_from_rpy, rotation_from_quaternion
 from horizon_dl.onboard.attitude_buffer import MAX_HEIGHT_AGE_S, AttitudeBuffer, ClockOffset
-from horizon_dl.onboard.watchdog import Watchdog
+from horizon_dl.onboard.mavlink import Link
+
+HEARTBEAT_S = 1.0
+ATTITUDE_WAIT_S = 0.05
+"""A picture waits so long for the attitude that follows it."""
 
 DOWNWARD = 25  # MAV_SENSOR_ROTATION_PITCH_270
 HEIGHT_SOURCES = ("DISTANCE_SENSOR", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")  # the best first
@@ -14,18 +24,45 @@ HEIGHT_SOURCES = ("DISTANCE_SENSOR", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"
 class Autopilot:
     """Keeps what is needed of an autopilot's messages.
 
+    Args:
+        clock: monotonic seconds.
+        on_attitude: called for every good attitude.
+
     Attributes:
         buffer: attitudes and heights, by our clock.
         heartbeats: counted.
     """
 
-    def __init__(self, watchdog: Watchdog) -> None:
+    def __init__(
+        self, clock: Callable[[], float] = time.monotonic, on_attitude: Callable[[], object] = lambda: None
+    ) -> None:
         self.buffer = AttitudeBuffer()
         self.heartbeats = 0
-        self._watchdog = watchdog
+        self._now_s = clock
+        self._on_attitude = on_attitude
         self._clock = ClockOffset()
         self._height_s = dict.fromkeys(HEIGHT_SOURCES, -math.inf)
         self._has_quaternions_s = -math.inf
+
+    def listen(self, link: Link, stopped: threading.Event) -> None:
+        """Take a link's messages, with a heartbeat once a second, until told to stop."""
+        heartbeat_s = -math.inf
+        while not stopped.is_set():
+            if self._now_s() - heartbeat_s >= HEARTBEAT_S:
+                link.send_heartbeat()
+                heartbeat_s = self._now_s()
+            for message in link.receive(0.1):
+                self.take(message, self._now_s())
+
+    def attitude_at(self, time_s: float, stopped: threading.Event) -> NDArray[np.float64] | None:
+        """The attitude at a picture's time, (w, x, y, z), interpolated; None where it is not known.
+
+        The next message is waited for shortly, then the newest one is taken. Another thread must `listen`.
+        """
+        end_s = self._now_s() + ATTITUDE_WAIT_S
+        while self.buffer.newest_s < time_s and self._now_s() < end_s and not stopped.is_set():
+            time.sleep(0.002)
+        return self.buffer.at(time_s, max_ahead_s=ATTITUDE_WAIT_S)
 
     def take(self, message: Any, arrival_s: float) -> None:
         """Take one message, pymavlink's object; those of no use and with impossible values are left."""
@@ -48,7 +85,7 @@ class Autopilot:
         if time_s < self.buffer.newest_s - 1.0:
             self.buffer.clear()
         if self.buffer.add(time_s, quaternion):
-            self._watchdog.attitude()
+            self._on_attitude()
 
     def _height(self, kind: str, message: Any, arrival_s: float) -> None:
         better = HEIGHT_SOURCES[: HEIGHT_SOURCES.index(kind)]

@@ -23,9 +23,6 @@ from horizon_dl.onboard.pictures import LatestPicture, Picture
 from horizon_dl.onboard.sighting import Sighting
 from horizon_dl.onboard.watchdog import Clock, Watchdog
 
-ATTITUDE_WAIT_S = 0.05
-HEARTBEAT_S = 1.0
-
 
 @dataclass(frozen=True)
 class FlySettings:
@@ -68,7 +65,7 @@ class Fly:
         self, sighting: Sighting, link: Link, settings: FlySettings, clock: Clock = time.monotonic
     ) -> None:
         self.watchdog = Watchdog(clock)
-        self.autopilot = Autopilot(self.watchdog)
+        self.autopilot = Autopilot(clock, self.watchdog.attitude)
         self.latencies, self.periods = Latencies(), Latencies()
         self.sent = self.unsent = self.unknown = self.looked_at = 0
         self._sighting, self._link, self._settings, self._clock = sighting, link, settings, clock
@@ -167,19 +164,12 @@ class Fly:
                 return None
             self.watchdog.attitude()
             return picture.up_cam, 0.0, picture.height_m if fixed_m is None else fixed_m
-        attitude = self._attitude_at(picture.time_s)
+        attitude = self.autopilot.attitude_at(picture.time_s, self._stop)
         if attitude is None:
             return None
         yaw_rad = rpy_from_rotation(rotation_from_quaternion(attitude))[2]
         height_m = self.autopilot.buffer.height_at(picture.time_s) if fixed_m is None else fixed_m
         return up_in_camera(attitude, self._settings.mount_rpy_rad), yaw_rad, height_m
-
-    def _attitude_at(self, time_s: float) -> NDArray[np.float64] | None:
-        """Interpolated; the next message is waited for shortly, then the newest one is taken."""
-        end_s = self._clock() + ATTITUDE_WAIT_S
-        while self.autopilot.buffer.newest_s < time_s and self._clock() < end_s and not self._stop.is_set():
-            time.sleep(0.002)
-        return self.autopilot.buffer.at(time_s, max_ahead_s=ATTITUDE_WAIT_S)
 
     def _guarded(self, target: Callable[[], None]) -> None:
         """A thread that dies must not go unnoticed: the flight ends and says why."""
@@ -190,19 +180,14 @@ class Fly:
             self._stop.set()
 
     def _listen(self) -> None:
-        while not self._stop.is_set():
-            for message in self._link.receive(0.1):
-                self.autopilot.take(message, self._clock())
+        self.autopilot.listen(self._link, self._stop)
 
     def _report(self) -> None:
         period_s = 1.0 / self._settings.rate_hz
         due_s = self._clock()
-        heartbeat_s = last_s = -np.inf
+        last_s = -np.inf
         while not self._stop.is_set():
             now = self._clock()
-            if now - heartbeat_s >= HEARTBEAT_S:
-                self._link.send_heartbeat()
-                heartbeat_s = now
             self._send(last_s)
             last_s = now
             due_s = max(due_s + period_s, now)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.errors import InputError
 from horizon_dl.onboard.obstacle_distance import MessageShape
-from horizon_dl.onboard.transport import Transport
+from horizon_dl.onboard.transport import Transport, open_transport
 
 AUTOPILOT_COMPONENT = 1  # MAV_COMP_ID_AUTOPILOT1
 OUR_COMPONENT = 196  # MAV_COMP_ID_OBSTACLE_AVOIDANCE
@@ -144,6 +144,12 @@ class Link:
             codec.signing.sign_outgoing = sign
             codec.signing.timestamp = int((time.time() - SIGNING_EPOCH_S) * 1e5)
         return codec
+
+
+def open_link(url: str, system: int = 1, signing_key: Path | None = None) -> Link:
+    """The link over an address; see `open_transport`, `Link` and `read_signing_key`."""
+    key = None if signing_key is None else read_signing_key(signing_key)
+    return Link(open_transport(url), system, key)
 
 
 def _careful(dialect: Any) -> Any:
