@@ -25,6 +25,7 @@ from horizon_dl.learning import online as online_module
 from horizon_dl.learning.online import OnlineLearner
 from horizon_dl.learning.run import load_run
 from horizon_dl.onboard.model import ObstacleModel
+from horizon_dl.simulation.embedded import embedded_set
 
 
 @pytest.fixture(scope="module")
@@ -72,6 +73,22 @@ def test_the_figures_are_those_of_the_prequential_comparison(toy, whole):
     assert found["methods"]["cnn"]["horizon_accuracy"] == pytest.approx(accuracy)
     assert found["frames"]["test"] == wanted["frames"]["test"] == 10
     assert found.keys() == wanted.keys()
+    assert found["ranging"] == wanted["ranging"]
+
+
+@pytest.mark.slow
+def test_ranges_are_measured_and_survive_a_stop(tmp_path):
+    ranging = {}
+    for name, stops in (("whole", (40,)), ("stopped", (30, 40))):
+        for stop in stops:
+            run = tiny_run(embedded_set(), tmp_path / name, max_frames=stop)
+            run.run()
+            run.finish()
+        ranging[name] = json.loads((tmp_path / name / "metrics.json").read_text())["ranging"]
+    assert ranging["whole"]["columns"] > 20
+    assert 0 < ranging["whole"]["median_relative_error"] < 1
+    assert ranging["whole"]["true_floor"]["columns"] == ranging["whole"]["columns"]
+    assert ranging["stopped"] == ranging["whole"]
 
 
 @pytest.mark.parametrize("stops", [(1,), (7, 8, 20)])

@@ -6,13 +6,16 @@ from typing import Any
 from horizon_dl.config import Config
 from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
 from horizon_dl.evaluation.protocols import WARM_UP_FRAMES
+from horizon_dl.evaluation.ranging_block import RangingBlock
 from horizon_dl.evaluation.roc import RocAccumulator, RocResult
 from horizon_dl.evaluation.running import RunningSides
 from horizon_dl.evaluation.second_truth import SecondTruth
 from horizon_dl.evaluation.tally import Tally, scored_pixels
 from horizon_dl.evaluation.tally_state import (
     percentile_snapshot,
+    ranging_snapshot,
     restore_percentile,
+    restore_ranging,
     restored_tally,
     tally_snapshot,
 )
@@ -33,6 +36,7 @@ SCORES = (
     "fused",
     "single_pass_entropy",
 )
+NOTHING_RANGED = {"median_relative_error": None, "columns": 0}
 
 
 class OnlineFigures:
@@ -52,6 +56,7 @@ class OnlineFigures:
         self.seen = self.predicted = self.learned = self.tested = 0
         self._config = config
         self._second_truth = None if recording is None else SecondTruth(recording)
+        self._ranging = None if recording is None else RangingBlock(recording)
         self._entropies = RunningPercentile(config.threshold.percentile)
         self._result: RocResult | None = None
 
@@ -117,20 +122,21 @@ class OnlineFigures:
             "seeds": [self._config.seed],
             "frames": frames,
             "methods": {"cnn": method_metrics([self.tally], rule)},
-            "ranging": {"median_relative_error": None, "columns": 0},
+            "ranging": NOTHING_RANGED if self._ranging is None else self._ranging.metrics(),
         }
 
     def snapshot(self) -> Snapshot:
         """All figures so far."""
         counts = {name: getattr(self, name) for name in ("seen", "predicted", "learned", "tested")}
-        return Snapshot.join(
-            {
-                "counts": Snapshot(values={**counts, "reasons": dict(self.reasons)}),
-                "tally": tally_snapshot(self.tally),
-                "sides": self.sides.snapshot(),
-                "entropies": percentile_snapshot(self._entropies),
-            }
-        )
+        parts = {
+            "counts": Snapshot(values={**counts, "reasons": dict(self.reasons)}),
+            "tally": tally_snapshot(self.tally),
+            "sides": self.sides.snapshot(),
+            "entropies": percentile_snapshot(self._entropies),
+        }
+        if self._ranging is not None:
+            parts["ranging"] = ranging_snapshot(self._ranging)
+        return Snapshot.join(parts)
 
     def restore(self, snapshot: Snapshot) -> None:
         """The figures of a snapshot."""
@@ -141,6 +147,8 @@ class OnlineFigures:
         self.tally = restored_tally(snapshot.part("tally"))
         self.sides.restore(snapshot.part("sides"))
         restore_percentile(self._entropies, snapshot.part("entropies"))
+        if self._ranging is not None:
+            restore_ranging(self._ranging, snapshot.part("ranging"))
         self._result = None
 
     def _score(self, frame: Frame, view: View, found: Measures, net: HorizonFCN) -> None:
@@ -152,5 +160,7 @@ class OnlineFigures:
         self.tally.add_scores(maps, pixels, others)
         self.tally.threshold = self._entropies.value()
         self.tally.add_obstacle_map(found.entropy, self.tally.threshold, pixels)
+        if self._ranging is not None:
+            self._ranging.add(frame, found.p_above, self.tally.threshold)
         self.tested += 1
         self._result = None

@@ -40,6 +40,10 @@ class RangingTally:
         connected_only: range the obstacles that reach the horizon, or all.
         bearings: sectors, zero is the optical axis.
         rules: of the ranging.
+        relative: errors of the measured bearings as shares of the true distance, frame by frame.
+        within_2sd: whether they were within twice the stated standard deviation.
+        counts: bearings with a true distance; of them with a contact below the view, unknown, missed, and
+            false stops.
     """
 
     near_m: float = 0.7
@@ -47,9 +51,9 @@ class RangingTally:
     connected_only: bool = False
     bearings: Bearings = EVALUATION_BEARINGS
     rules: RangingRules = field(default_factory=RangingRules)
-    _relative: list[Floats] = field(default_factory=list)
-    _within_2sd: list[NDArray[np.bool_]] = field(default_factory=list)
-    _counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(5, np.int64))
+    relative: list[Floats] = field(default_factory=list)
+    within_2sd: list[NDArray[np.bool_]] = field(default_factory=list)
+    counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(5, np.int64))
 
     def add(
         self,
@@ -98,11 +102,11 @@ class RangingTally:
         with np.errstate(invalid="ignore"):
             missed = ~unknown & (distance > MISSED_FACTOR * truth) & (in_view | ~covered)
             false_stop = met & (distance < FALSE_STOP_FACTOR * truth)
-        self._counts += [len(truth), (~in_view).sum(), unknown.sum(), missed.sum(), false_stop.sum()]
+        self.counts += [len(truth), (~in_view).sum(), unknown.sum(), missed.sum(), false_stop.sum()]
         measured = met & in_view
         error = np.abs(distance[measured] - truth[measured])
-        self._relative.append((error / truth[measured]).astype(np.float32))
-        self._within_2sd.append(error <= 2 * found.sd_m[used][measured])
+        self.relative.append((error / truth[measured]).astype(np.float32))
+        self.within_2sd.append(error <= 2 * found.sd_m[used][measured])
 
     def metrics(self) -> dict[str, Any]:
         """The figures; None where there was nothing to measure.
@@ -112,8 +116,8 @@ class RangingTally:
         `contact_below_view`; `median_relative_error` and `within_2sd` are over the others with a reported
         obstacle.
         """
-        columns, *shares = (int(n) for n in self._counts)
-        relative, within = _joined(self._relative), _joined(self._within_2sd)
+        columns, *shares = (int(n) for n in self.counts)
+        relative, within = joined(self.relative), joined(self.within_2sd)
         names = ("contact_below_view", "unknown", "missed", "false_stop")
         return {
             "median_relative_error": float(np.median(relative)) if len(relative) else None,
@@ -125,5 +129,6 @@ class RangingTally:
         }
 
 
-def _joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+def joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """All parts end to end; an empty array of no parts."""
     return np.concatenate(parts) if parts else np.empty(0)

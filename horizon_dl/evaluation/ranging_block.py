@@ -20,6 +20,9 @@ class RangingBlock:
 
     Distances count from 0.7 to 4 m, on KITTI from 5 to 25 m.
 
+    Attributes:
+        tallies: `everything`, `connected` and `true_floor`.
+
     Example:
         >>> block = RangingBlock(recording)                    # doctest: +SKIP
         >>> block.add(frame, p_above, threshold)               # doctest: +SKIP
@@ -29,9 +32,11 @@ class RangingBlock:
     def __init__(self, recording: Recording) -> None:
         near_m, far_m = ON_THE_ROAD_M if recording.format == "kitti" else INDOORS_M
         self._ranges = FrameRanges(recording)
-        self._everything = RangingTally(near_m, far_m)
-        self._connected = RangingTally(near_m, far_m, connected_only=True)
-        self._true_floor = RangingTally(near_m, far_m)
+        self.tallies = {
+            "everything": RangingTally(near_m, far_m),
+            "connected": RangingTally(near_m, far_m, connected_only=True),
+            "true_floor": RangingTally(near_m, far_m),
+        }
 
     def add(self, frame: Frame, p_above: NDArray[np.float32], threshold: float) -> None:
         """Count one frame; those without range, truth, attitude or height are left out.
@@ -44,16 +49,14 @@ class RangingBlock:
         range_m = self._ranges.of(frame)
         if range_m is None or frame.truth is None:
             return
-        for tally in (self._everything, self._connected):
-            tally.add(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
+        for name in ("everything", "connected"):
+            self.tallies[name].add(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
         if frame.up_cam is not None:
-            not_free, known = true_obstacles(frame, range_m, self._true_floor.bearings)
-            self._true_floor.add(frame, not_free, range_m, known=known)
+            true_floor = self.tallies["true_floor"]
+            not_free, known = true_obstacles(frame, range_m, true_floor.bearings)
+            true_floor.add(frame, not_free, range_m, known=known)
 
     def metrics(self) -> dict[str, Any]:
         """Figures of all obstacles, with `connected` and `true_floor` beside them; see `RangingTally`."""
-        return {
-            **self._everything.metrics(),
-            "connected": self._connected.metrics(),
-            "true_floor": self._true_floor.metrics(),
-        }
+        everything, *others = ((name, tally.metrics()) for name, tally in self.tallies.items())
+        return {**everything[1], **dict(others)}

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import torch
 
+from horizon_dl.evaluation.ranging import joined
+from horizon_dl.evaluation.ranging_block import RangingBlock
 from horizon_dl.evaluation.roc import RocAccumulator
 from horizon_dl.evaluation.tally import Confusion, Tally
 from horizon_dl.learning.checkpoint import Snapshot
@@ -45,6 +47,33 @@ def restored_tally(snapshot: Snapshot) -> Tally:
         by_score = tally.rocs if other == BELOW else tally.other_rocs.setdefault(other, {})
         by_score[name] = restored_roc(snapshot.part(key))
     return tally
+
+
+def ranging_snapshot(block: RangingBlock) -> Snapshot:
+    """All that a ranging block has gathered."""
+    return Snapshot.join(
+        {
+            name: Snapshot(
+                {
+                    "relative": torch.from_numpy(joined(tally.relative).astype(np.float32)),
+                    "within_2sd": torch.from_numpy(joined(tally.within_2sd).astype(np.bool_)),
+                    "counts": torch.from_numpy(tally.counts.copy()),
+                }
+            )
+            for name, tally in block.tallies.items()
+        }
+    )
+
+
+def restore_ranging(block: RangingBlock, snapshot: Snapshot) -> None:
+    """Go on from a snapshot of a block of the same recording."""
+    for name, tally in block.tallies.items():
+        found = {key: tensor.numpy().copy() for key, tensor in snapshot.part(name).tensors.items()}
+        tally.relative, tally.within_2sd, tally.counts = (
+            [found["relative"]],
+            [found["within_2sd"]],
+            found["counts"],
+        )
 
 
 def roc_snapshot(roc: RocAccumulator) -> Snapshot:
