@@ -79,7 +79,7 @@ class OnlineConfig(Section):
 
     warm_up_frames: Annotated[int, Field(ge=0)] = 20
     warm_up_steps: Count = 12
-    steps_per_frame: Count = 3
+    steps_per_frame: Count = 2
     batch: Annotated[int, Field(ge=2)] = 6
     learning_rate: Positive = 0.003
     half_rate_steps: Count = 300

@@ -17,7 +17,7 @@ from horizon_dl.geometry.view import View
 from horizon_dl.learning.averaging import averaged
 from horizon_dl.learning.checkpoint import Snapshot
 from horizon_dl.learning.coarse import coarse_frame, coarse_target, half_elevation
-from horizon_dl.learning.crops import Batch, TrainingFrame, draw_batch
+from horizon_dl.learning.crops import Batch, draw_batch
 from horizon_dl.learning.memory import ReplayMemory
 from horizon_dl.learning.module import horizon_loss
 from horizon_dl.learning.packing import PackedFrame, unpack
@@ -123,8 +123,12 @@ class OnlineLearner:
         settings = self.config.online
         early = self.frames < settings.warm_up_frames
         self.frames += 1
+        # Unpacked once a frame, not once a step: each step takes other crops of them.
+        replayed = self.memory.draw(settings.batch - NEWEST_CROPS)
         for _ in range(settings.warm_up_steps if early else settings.steps_per_frame):
-            yield self._step(self._batch(newest))
+            yield self._step(
+                draw_batch([newest] * NEWEST_CROPS + replayed, self.config.train.crop, self._rng)
+            )
 
     def frozen(self, info: dict[str, Any]) -> Callable[[], Run]:
         """What the learner is now, as a run that is ready to be saved or exported.
@@ -183,10 +187,6 @@ class OnlineLearner:
         return max(
             settings.least_rate, settings.learning_rate / (1.0 + self._taken / settings.half_rate_steps)
         )
-
-    def _batch(self, newest: TrainingFrame) -> Batch:
-        remembered = self.memory.draw(self.config.online.batch - NEWEST_CROPS)
-        return draw_batch([newest] * NEWEST_CROPS + remembered, self.config.train.crop, self._rng)
 
     def _step(self, batch: Batch) -> float:
         """One step, or NaN and everything as before: batch statistics change already on the way forward."""
