@@ -15,7 +15,7 @@ from torch import Tensor
 
 from horizon_dl.errors import InputError
 
-FORMAT = 1
+FORMAT = 2
 SEPARATOR = "/"
 _VALUES = "values"
 

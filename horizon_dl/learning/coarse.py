@@ -49,9 +49,14 @@ def coarse_target(
     small = View("", 0.0, area_resize(image, (size[1], size[0])), elevation)
     p_above = None if guide is None else p_above_of_all_depths(guide, image, size)
     target = np.nan_to_num(make_target(config.target.kind, small, p_above)).astype(np.float16)
-    doubled = target.repeat(2, axis=0).repeat(2, axis=1)
-    missing = [(0, whole - double) for whole, double in zip(image.shape[:2], doubled.shape, strict=True)]
-    return np.pad(doubled, missing, mode="edge")
+    return doubled(target, image.shape[:2])
+
+
+def doubled(target: NDArray[np.float16], size: tuple[int, ...]) -> NDArray[np.float16]:
+    """A target of half the size at the whole `size` (h, w), each pixel four times; edges are repeated."""
+    twice = target.repeat(2, axis=0).repeat(2, axis=1)
+    missing = [(0, whole - double) for whole, double in zip(size, twice.shape, strict=True)]
+    return np.pad(twice, missing, mode="edge")
 
 
 def coarse_frame(view: View, config: Config, guide: HorizonFCN | None) -> TrainingFrame:

@@ -3,7 +3,7 @@
 import heapq
 import math
 from collections.abc import Callable
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass, fields, replace
 from itertools import pairwise
 
 import numpy as np
@@ -124,7 +124,8 @@ class ReplayMemory:
         values, content = snapshot.values, snapshot.tensors["blobs"].numpy().tobytes()
         ends = np.cumsum([0, *values["lengths"]])
         blobs = [content[start:end] for start, end in pairwise(ends)]
-        packed = [PackedFrame(*parts) for parts in zip(blobs[::3], blobs[1::3], blobs[2::3], strict=True)]
+        parts = len(fields(PackedFrame))
+        packed = [PackedFrame(*blobs[first : first + parts]) for first in range(0, len(blobs), parts)]
         columns = (values["keys"], values["numbers"], packed, values["made_at"])
         self._kept = [_Kept(*one) for one in zip(*columns, strict=True)]
         self.nbytes = sum(one.nbytes for one in packed)
