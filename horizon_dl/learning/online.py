@@ -35,8 +35,9 @@ Map = NDArray[np.float32]
 NEWEST_CROPS = 1
 """Crops of the newest frame in every batch; the others come from the memory."""
 FIRST_GUIDED_FRAME = 10
-"""From this frame on the targets also follow the edges in what the net has learned; one old target a frame is
-made anew."""
+"""From this frame on the targets also follow the edges in what the net has learned."""
+RENEWAL_FRAMES = 2
+"""Then one old target is made anew every so many frames."""
 UNGUIDED = -1
 THRESHOLD_FRAMES = 50
 """Remembered frames that the threshold is taken from, at most."""
@@ -118,7 +119,7 @@ class OnlineLearner:
         if not newest.counts.any():
             return
         self.memory.add(newest, half_elevation(view.elevation), UNGUIDED if guide is None else self.frames)
-        if guide is not None:
+        if guide is not None and self.frames % RENEWAL_FRAMES == 0:
             self.memory.renew(self.frames, lambda *old: coarse_target(old[0], old[1], self.config, guide))
         settings = self.config.online
         early = self.frames < settings.warm_up_frames
