@@ -17,7 +17,6 @@ ABLATIONS: dict[str, tuple[str, ...]] = {
     "geodesic, image edges only (one round)": ("train.rounds=[350]",),
     "no dropout in training": ("model.dropout=0.0",),
     "dropout 0.5": ("model.dropout=0.5",),
-    "crops of 64": ("train.crop=64", "train.batch=36"),
     "half as wide": ("model.channels=16",),
     "ResNet-18 encoder, random weights": ("model.kind=resnet18",),
 }
