@@ -1,4 +1,4 @@
-"""The README's figures from scratch: all sets, all methods, three seeds, ablations (two), and what dropout buys.
+"""The README's figures from scratch: all sets, all methods, three seeds; ablations, two; what dropout buys.
 
     HORIZON_DL_DATA=DIR python benchmarks/figures.py --out figures
 
