@@ -1,8 +1,10 @@
+import argparse
 from pathlib import Path
 
 import pytest
 import yaml
 
+from horizon_dl.cli.options import add_config, resolve_config
 from horizon_dl.config import Config, builtin_configs, load_config, save_config
 from horizon_dl.errors import InputError
 
@@ -54,3 +56,15 @@ def test_unknown_names_and_missing_files():
         load_config("nothing")
     with pytest.raises(InputError, match="cannot be read"):
         load_config("nothing.yaml")
+
+
+def test_the_seed_is_an_option_of_its_own():
+    parser = argparse.ArgumentParser()
+    add_config(parser)
+    for words, seed in (([], 4), (["--seed", "3"], 3)):
+        arguments = parser.parse_args(words)
+        arguments.overrides = ["seed=4"]
+        assert resolve_config(arguments).seed == seed
+    arguments.seed = "three"
+    with pytest.raises(InputError, match="seed"):
+        resolve_config(arguments)

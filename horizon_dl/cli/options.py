@@ -21,12 +21,13 @@ def add_format(parser: argparse.ArgumentParser) -> None:
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:
-    """`--config`; dotted options override single values."""
+    """`--config` and `--seed`; dotted options override single values."""
     parser.add_argument(
         "--config",
         metavar="FILE",
         help="YAML file or name of a built-in config; --section.key VALUE overrides",
     )
+    parser.add_argument("--seed", metavar="N", help="of the random numbers (default: the config's, 0)")
 
 
 def add_out(parser: argparse.ArgumentParser, default: Path | None = None) -> None:
@@ -87,10 +88,11 @@ def open_data(arguments: argparse.Namespace) -> "Recording":
 
 
 def resolve_config(arguments: argparse.Namespace) -> "Config":
-    """The config that `--config` and the dotted options name."""
+    """The config that `--config`, `--seed` and the dotted options name."""
     from horizon_dl.config import load_config
 
-    return load_config(arguments.config, arguments.overrides)
+    seed = [] if arguments.seed is None else [f"seed={arguments.seed}"]
+    return load_config(arguments.config, [*arguments.overrides, *seed])
 
 
 def is_model_file(path: Path) -> bool:
