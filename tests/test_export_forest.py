@@ -93,7 +93,8 @@ def test_thresholds_are_rounded_down():
 
 def test_votes_against_another_converter(forest_export):
     """skl2onnx knows nothing of this program's operators; its file gives the mean vote of the same forest."""
-    skl2onnx = pytest.importorskip("skl2onnx")
+    import skl2onnx
+
     views = [make_view(frame, 5000) for frame in toy_frames()]
     forest = HorizonForest.fit(views, seed=0, training_pixels=3000, n_jobs=1)
     kind = skl2onnx.common.data_types.FloatTensorType([None, 13])

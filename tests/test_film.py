@@ -4,17 +4,16 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import cv2
 import make_sets
 import pytest
 from flat_model import FlatModel
 
-cv2 = pytest.importorskip("cv2")
-
-from horizon_dl.cli import main  # noqa: E402
-from horizon_dl.errors import InputError  # noqa: E402
-from horizon_dl.frames.formats import open_recording  # noqa: E402
-from horizon_dl.onboard.film import drawn_frames, frames_per_second, write_film  # noqa: E402
-from horizon_dl.simulation.embedded import embedded_set  # noqa: E402
+from horizon_dl.cli import main
+from horizon_dl.errors import InputError
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.onboard.film import drawn_frames, frames_per_second, write_film
+from horizon_dl.simulation.embedded import embedded_set
 
 REFERENCE = Path(__file__).parents[1] / "exports" / "reference" / "model.onnx"
 

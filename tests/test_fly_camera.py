@@ -11,29 +11,26 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import cv2
 import make_sets
 import numpy as np
 import pytest
 from flat_model import FlatModel
+from pymavlink.dialects.v20 import common
 
-pytest.importorskip("pymavlink")
-cv2 = pytest.importorskip("cv2")
-
-from pymavlink.dialects.v20 import common  # noqa: E402
-
-from horizon_dl.cli import fly  # noqa: E402
-from horizon_dl.errors import InputError  # noqa: E402
-from horizon_dl.frames.formats import open_recording  # noqa: E402
-from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera  # noqa: E402
-from horizon_dl.geometry.calibration import read_calibration  # noqa: E402
-from horizon_dl.geometry.camera import Camera  # noqa: E402
-from horizon_dl.obstacles.ranging import Outcome  # noqa: E402
-from horizon_dl.onboard.fly import Fly, FlySettings  # noqa: E402
-from horizon_dl.onboard.mavlink import Link  # noqa: E402
-from horizon_dl.onboard.model import ObstacleModel  # noqa: E402
-from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM  # noqa: E402
-from horizon_dl.onboard.pictures import Picture, capture, replay  # noqa: E402
-from horizon_dl.onboard.sighting import Sighting  # noqa: E402
+from horizon_dl.cli import fly
+from horizon_dl.errors import InputError
+from horizon_dl.frames.formats import open_recording
+from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
+from horizon_dl.geometry.calibration import read_calibration
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.obstacles.ranging import Outcome
+from horizon_dl.onboard.fly import Fly, FlySettings
+from horizon_dl.onboard.mavlink import Link
+from horizon_dl.onboard.model import ObstacleModel
+from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM
+from horizon_dl.onboard.pictures import Picture, capture, replay
+from horizon_dl.onboard.sighting import Sighting
 
 CAMERA = Camera("pinhole", 32, 24, 30.0, 30.0, 15.5, 11.5)
 MOUNT = (0.0, math.radians(-25), 0.0)

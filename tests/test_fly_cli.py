@@ -18,8 +18,6 @@ import numpy as np
 import pytest
 from flat_model import FlatModel
 
-pytest.importorskip("pymavlink")
-
 from horizon_dl.cli import fly
 from horizon_dl.errors import InputError
 from horizon_dl.frames.formats import open_recording
@@ -128,7 +126,6 @@ def test_another_camera_than_the_models_is_one_line(flight: Path, monkeypatch: p
 
 
 def test_a_video_that_is_not_there_is_one_line(flight: Path, model: None, tmp_path: Path) -> None:
-    pytest.importorskip("cv2")
     arguments = parsed(
         "m",
         "--source",
@@ -143,7 +140,8 @@ def test_a_video_that_is_not_there_is_one_line(flight: Path, model: None, tmp_pa
 
 
 def test_a_video_is_played_at_its_own_rate(tmp_path: Path) -> None:
-    cv2 = pytest.importorskip("cv2")
+    import cv2
+
     from horizon_dl.onboard.pictures import capture
 
     path = tmp_path / "v.avi"

@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-pytest.importorskip("cv2")
-
 from horizon_dl.cli import main
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.mount import corrected_up, fit_mount

@@ -1,5 +1,7 @@
 """Replay: bounded, compressed, diverse, and the same after a restart."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -61,6 +63,17 @@ def test_the_oldest_target_is_made_anew():
     for now in (6, 6, 6):
         memory.renew(now, target_of)
     assert len(asked) == 3  # each once: then all are of now
+
+
+def test_a_renewed_target_that_packs_worse_keeps_the_bound():
+    memory = ReplayMemory(10, np.random.default_rng(0))
+    flat = replace(smooth_frame(0), target=np.zeros(SHAPE, np.float16))
+    for _ in range(3):
+        memory.add(flat, ANGLES, 0)
+    memory._limit_bytes = memory.nbytes
+    memory.renew(1, lambda image, elevation: smooth_frame(1).target)
+    assert memory.nbytes <= memory._limit_bytes
+    assert len(memory) == 2
 
 
 def test_packing_keeps_target_mask_and_nearly_the_image():

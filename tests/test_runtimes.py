@@ -22,7 +22,8 @@ EXPORTS = Path(__file__).parent.parent / "exports"
 @pytest.mark.real_data
 @pytest.mark.parametrize("name", REAL_SETS)
 def test_openvino_says_the_same_on_real_frames(data_dir, tmp_path, name):
-    openvino = pytest.importorskip("openvino")
+    import openvino
+
     recording = open_recording(data_dir / name)
     frames = parity_frames(recording)[:3]
     run = fresh_run(frames)
@@ -41,7 +42,8 @@ def test_openvino_says_the_same_on_real_frames(data_dir, tmp_path, name):
 
 
 def test_openvino_says_the_same(model):
-    openvino = pytest.importorskip("openvino")
+    import openvino
+
     core = openvino.Core()
     compiled = core.compile_model(str(model_file()), "CPU", {"INFERENCE_PRECISION_HINT": "f32"})
     for frame in toy_frames():
@@ -56,7 +58,7 @@ def test_openvino_says_the_same(model):
 
 
 @pytest.fixture(scope="module")
-def node_folder(tmp_path_factory):
+def node_folder(tmp_path_factory, no_network):
     """The Node.js example with its package, fetched without running any install script."""
     if not (shutil.which("node") and shutil.which("npm")):
         pytest.skip("Node.js is not installed")
@@ -65,7 +67,7 @@ def node_folder(tmp_path_factory):
     install = ["npm", "install", "--ignore-scripts", "--no-audit", "--no-fund"]
     done = subprocess.run(install, cwd=folder, capture_output=True, text=True, timeout=300)
     if done.returncode:
-        pytest.skip("the npm registry cannot be reached")
+        no_network(f"the npm registry cannot be reached: {done.stderr}")
     return folder
 
 

@@ -111,8 +111,15 @@ def _source(arguments: argparse.Namespace) -> "tuple[Recording | None, Stream]":
 
     if arguments.mavlink is not None:
         return None, _live(arguments)
+    if arguments.data.startswith("camera:") or "://" in arguments.data:
+        raise InputError(arguments.data, "has no attitude without --mavlink", "name the autopilot's address")
+    if arguments.camera_delay or arguments.system != 1 or arguments.signing_key:
+        options = "--camera-delay, --system or --signing-key"
+        raise InputError(options, "has no meaning without --mavlink", "leave it out")
     path = Path(arguments.data)
-    if path.is_dir() or not (arguments.attitude or arguments.camera or path.is_file()):
+    if not path.exists():
+        raise InputError(path, "does not exist", "give the folder of a data set, or a video file")
+    if path.is_dir():
         recording = open_recording(path, arguments.format)
         return recording, recorded_stream(recording)
     if arguments.attitude is None or arguments.camera is None:
@@ -127,6 +134,8 @@ def _live(arguments: argparse.Namespace) -> "Stream":
     from horizon_dl.learning.live import live_stream
     from horizon_dl.onboard.mavlink import open_link
 
+    if arguments.attitude is not None:
+        raise InputError("--attitude", "has no meaning with --mavlink", "leave one of them out")
     if arguments.camera is None:
         raise InputError(
             "--camera", "is missing", "name the camera.yaml that tells how the camera is mounted"

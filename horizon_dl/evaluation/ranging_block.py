@@ -58,5 +58,5 @@ class RangingBlock:
 
     def metrics(self) -> dict[str, Any]:
         """Figures of all obstacles, with `connected` and `true_floor` beside them; see `RangingTally`."""
-        everything, *others = ((name, tally.metrics()) for name, tally in self.tallies.items())
-        return {**everything[1], **dict(others)}
+        blocks = {name: tally.metrics() for name, tally in self.tallies.items()}
+        return {**blocks.pop("everything"), **blocks}

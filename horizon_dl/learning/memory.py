@@ -70,8 +70,7 @@ class ReplayMemory:
         heapq.heappush(self._kept, kept)
         self.seen += 1
         self.nbytes += kept.packed.nbytes
-        while self.nbytes > self._limit_bytes and len(self._kept) > 1:
-            self.nbytes -= heapq.heappop(self._kept).packed.nbytes
+        self._forget()
 
     def renew(self, now: int, target_of: Callable[[NDArray[np.uint8], Map], NDArray[np.float16]]) -> None:
         """Make the target anew that was made the longest time ago: its net knew less.
@@ -87,6 +86,7 @@ class ReplayMemory:
             packed = with_target(kept.packed, target)
             self.nbytes += packed.nbytes - kept.packed.nbytes
             self._kept[place] = replace(kept, packed=packed, made_at=now)
+            self._forget()
 
     def draw(self, count: int) -> list[TrainingFrame]:
         """`count` frames at random, with repetition."""
@@ -132,6 +132,11 @@ class ReplayMemory:
         self.seen = values["seen"]
         sketch = snapshot.tensors["sketch"].numpy()
         self._sketch = sketch if sketch.size else None
+
+    def _forget(self) -> None:
+        """Down to the limit; a target made anew may pack worse than the old one."""
+        while self.nbytes > self._limit_bytes and len(self._kept) > 1:
+            self.nbytes -= heapq.heappop(self._kept).packed.nbytes
 
     def _weight(self, image: NDArray[np.uint8]) -> float:
         sketch = np.asarray(Image.fromarray(image).resize(SKETCH, Image.Resampling.BOX))

@@ -39,6 +39,7 @@ FIRST_GUIDED_FRAME = 10
 RENEWAL_FRAMES = 2
 """Then one old target is made anew every so many frames."""
 UNGUIDED = -1
+"""Older than any target that a net has guided."""
 THRESHOLD_FRAMES = 50
 """Remembered frames that the threshold is taken from, at most."""
 
