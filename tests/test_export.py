@@ -286,6 +286,8 @@ def test_export_and_try(tmp_path):
     tried = export_and_try(small_run(), open_recording(toy_set()), tmp_path)
     assert tried.path == tmp_path / "model.onnx"
     assert tried.difference < TOLERANCE
+    frame = toy_frames()[0]
+    assert 0 < ObstacleModel.load(tried.path).predict(frame.image, frame.up_cam).obstacles.mean() < 1
     assert tried.median_ms > 0
     assert "MB" in tried.lines()[0]
     assert "ms a frame" in tried.lines()[1]
