@@ -12,9 +12,10 @@ from horizon_dl.evaluation.metrics import method_metrics
 from horizon_dl.reporting.table import format_markdown
 
 ABLATIONS: dict[str, tuple[str, ...]] = {
-    "hard labels": ("target.kind=hard", "train.rounds=[350]"),
-    "guided targets": ("target.kind=guided", "train.rounds=[350]"),
-    "geodesic, image edges only (one round)": ("train.rounds=[350]",),
+    "hard labels": ("target.kind=hard", "train.rounds=[450]"),
+    "guided targets": ("target.kind=guided", "train.rounds=[450]"),
+    "geodesic, image edges only (one round)": ("train.rounds=[450]",),
+    "without the way from the sure floor": ("target.kind=one_way_geodesic",),
     "no dropout in training": ("model.dropout=0.0",),
     "dropout 0.5": ("model.dropout=0.5",),
     "half as wide": ("model.channels=16",),

@@ -41,7 +41,7 @@ class LabelConfig(Section):
 class TargetConfig(Section):
     """What the net is trained on."""
 
-    kind: Literal["hard", "guided", "geodesic"] = "geodesic"
+    kind: Literal["hard", "guided", "one_way_geodesic", "geodesic"] = "geodesic"
 
 
 class ModelConfig(Section):
@@ -56,7 +56,7 @@ class ModelConfig(Section):
 class TrainConfig(Section):
     """Training with the Lightning trainer."""
 
-    rounds: tuple[Count, ...] = Field(default=(150, 200), min_length=1)
+    rounds: tuple[Count, ...] = Field(default=(150, 100, 200), min_length=1)
     batch: Count = 9
     crop: Annotated[int, Field(ge=32)] = 128
     learning_rate: Positive = 0.003

@@ -14,7 +14,10 @@ from horizon_dl.targets.geodesic import (
     geodesic_target,
     horizon_distance,
     horizon_seeds,
+    one_way_target,
     step_cost,
+    sure_pixels,
+    way_share,
 )
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
@@ -97,7 +100,7 @@ def test_targets_change_nothing_and_repeat_themselves(kind):
 
 def test_unknown_kind_says_which_there_are():
     view = View("a", 0.0, noise_image(), level_elevation())
-    with pytest.raises(InputError, match="use one of hard, guided, geodesic"):
+    with pytest.raises(InputError, match="use one of hard, guided, one_way_geodesic, geodesic"):
         make_target("soft", view)
 
 
@@ -187,8 +190,9 @@ def dijkstra_distance(cost: np.ndarray, seeds: np.ndarray) -> np.ndarray:
 def test_horizon_distance_is_dijkstras():
     image, elevation = noise_image(1, 18, 22), level_elevation(18, 22, roll_rad=0.4)
     elevation[6:14, 4] = np.nan
-    got = horizon_distance(image, elevation)
-    cost = np.where(np.isnan(elevation), np.inf, step_cost(image))
+    cost = step_cost(image, elevation)
+    got = horizon_distance(cost, elevation)
+    assert (np.isinf(cost) == np.isnan(elevation)).all()
     expected = dijkstra_distance(cost, horizon_seeds(elevation))
     valid = ~np.isnan(elevation)
     expected /= expected[valid & (elevation <= 0)].mean()
@@ -205,7 +209,8 @@ def test_the_step_cost_against_its_formula():
     gradient = np.sqrt((down**2 + right**2).sum(-1))
     inner = (slice(4, -4), slice(4, -4))
     expected = 0.1 + np.minimum((gradient / gradient.mean()) ** 1.5, 6.0)
-    np.testing.assert_allclose(step_cost(image)[inner], expected[inner], rtol=0.08)
+    got = step_cost(image, level_elevation(60, 80))
+    np.testing.assert_allclose(got[inner], expected[inner], rtol=0.08)
 
 
 def test_a_flat_image_costs_its_length_alone():
@@ -213,7 +218,8 @@ def test_a_flat_image_costs_its_length_alone():
     elevation = level_elevation(41, 30) + np.float32(1e-3)  # horizon between rows 20 and 21
     steps = np.r_[20:-1:-1, 0:20]
     relative = steps / np.arange(20).mean()
-    np.testing.assert_allclose(horizon_distance(grey, elevation)[:, 7], relative, atol=1e-5)
+    distance = horizon_distance(step_cost(grey, elevation), elevation)
+    np.testing.assert_allclose(distance[:, 7], relative, atol=1e-5)
     target = geodesic_target(grey, elevation)
     np.testing.assert_allclose(target[40, 7], 0.5 * np.exp(-relative[40]), rtol=1e-4)
     np.testing.assert_allclose(target[0, 7], 1 - 0.5 * np.exp(-relative[0]), rtol=1e-4)
@@ -260,11 +266,71 @@ def test_seeds_lie_on_both_sides_of_the_horizon_and_not_at_gaps():
     np.testing.assert_array_equal(horizon_seeds(elevation), expected)
 
 
+def test_way_share_is_dijkstras():
+    elevation = level_elevation(18, 22, roll_rad=0.4)
+    elevation[6:14, 4] = np.nan
+    image, p_above = noise_image(1, 18, 22), np.nan_to_num(0.5 + elevation).clip(0.01, 0.99)
+    cost, horizon = step_cost(image, elevation, p_above), horizon_seeds(elevation)
+    got = way_share(cost, elevation, p_above)
+    to_horizon = dijkstra_distance(cost, horizon)
+    own_side = sure_pixels(elevation, p_above)
+    expected = np.zeros(cost.shape)
+    for side in (elevation > 0, elevation <= 0):
+        to_sure = dijkstra_distance(np.where(side & ~horizon, cost, np.inf), side & own_side & ~horizon)
+        inner = side & ~horizon & np.isfinite(to_sure)
+        expected[inner] = to_sure[inner] / (to_sure + to_horizon)[inner]
+    expected[horizon] = 1.0
+    valid = ~np.isnan(elevation)
+    np.testing.assert_allclose(got[valid], expected[valid], rtol=1e-4, atol=1e-5)
+    assert (got[own_side & ~horizon] == 0.0).all()
+
+
+def test_sure_is_what_the_net_says_and_of_equals_what_lies_further_off():
+    elevation = level_elevation()
+    p_above = np.where(elevation > 0, 0.9, 0.1).astype(np.float32)
+    lowest = sure_pixels(elevation, p_above)
+    assert np.unique(np.nonzero(lowest)[0]).tolist() == [0, 39]
+    p_above[25, 10:40] = 0.002
+    assert sure_pixels(elevation, p_above)[25, 10:40].all()
+
+
+def test_a_low_obstacle_is_told_from_the_floor_by_the_way_to_the_floor():
+    """A box on the floor, lower than the camera: edges part it from the horizon and from the floor alike."""
+    image = np.full((120, 160, 3), 200, np.uint8)
+    image[60:] = (120, 130, 110)
+    image[75:105, 60:100] = (40, 30, 90)
+    elevation = level_elevation(*image.shape[:2])
+    p_above = np.where(elevation > 0, 0.95, 0.05).astype(np.float32)
+    p_above[75:105, 60:100] = 0.15
+    floor, box = (slice(75, 105), slice(5, 45)), (slice(80, 100), slice(65, 95))
+    one_way = one_way_target(image, elevation, p_above)
+    share = way_share(step_cost(image, elevation, p_above), elevation, p_above)
+    both_ways = geodesic_target(image, elevation, p_above)
+    assert one_way[box].mean() < one_way[floor].mean()
+    assert share[box].mean() > 1.2 * share[floor].mean()
+    np.testing.assert_allclose(both_ways, (one_way + np.where(elevation > 0, 1 - share / 2, share / 2)) / 2)
+
+
+def test_nothing_sure_in_reach_is_all_obstacle_and_no_horizon_is_plain():
+    elevation = level_elevation()
+    elevation[25] = np.nan  # what is sure lies beyond
+    cost = np.ones(elevation.shape, np.float32)
+    cost[25] = np.inf
+    share = way_share(cost, elevation, np.full(elevation.shape, 0.5, np.float32))
+    assert (share[20:25] == 1.0).all()
+    assert (share[26:] == 0.0).all()
+    astray = np.full(elevation.shape, np.nan, np.float32)
+    assert np.isfinite(geodesic_target(noise_image(), level_elevation(), astray)).all()
+    below = np.full((HEIGHT, WIDTH), -0.3, np.float32)
+    assert (geodesic_target(noise_image(), below, np.full(below.shape, 0.2, np.float32)) == 0.0).all()
+
+
 @settings(max_examples=20, deadline=None)
-@given(st.floats(-3.1, 3.1), st.integers(0, 5))
-def test_geodesic_target_never_crosses_a_half(roll_rad, seed):
+@given(st.floats(-3.1, 3.1), st.integers(0, 5), st.booleans())
+def test_geodesic_target_never_crosses_a_half(roll_rad, seed, learned):
     elevation = level_elevation(20, 24, roll_rad)
-    target = geodesic_target(noise_image(seed, 20, 24), elevation)
+    p_above = np.random.default_rng(seed).random((20, 24), np.float32) if learned else None
+    target = geodesic_target(noise_image(seed, 20, 24), elevation, p_above)
     assert (target[elevation > 0] >= 0.5).all()
     assert (target[elevation <= 0] <= 0.5).all()
 

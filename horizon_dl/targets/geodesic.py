@@ -20,15 +20,21 @@ IMAGE_SHARE = 0.5
 """Weight of the image's edges where there are learned ones beside them."""
 LEAST_P = 0.002
 """Learned probabilities are kept this far from 0 and 1 before their logit is taken."""
+SURE_SHARE = 0.05
+"""Share of the pixels on each side of the horizon that count as surely floor, and surely sky or ceiling."""
+ANGLE_WEIGHT = 0.5
+"""Log odds that a pixel's side is worth more, the mean angle further from the horizon."""
 
 Map = NDArray[np.float32]
 
 
 def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
-    """`0.5 exp(-d)` below the horizon and `1 - 0.5 exp(-d)` above, d the cost of the way to the horizon.
+    """`0.5 m` below the horizon and `1 - 0.5 m` above, m how much of both sides a pixel has, in [0, 1].
 
-    So a wall that one can climb to the horizon without crossing an edge has a target near 0.5, and a floor
-    behind an edge, or far away, is near its plain label. Without a horizon in the image every label is plain.
+    At first `m = exp(-d)`, d the cost of the way to the horizon: a wall that one can climb to the horizon
+    without crossing an edge has a target near 0.5, and a floor behind an edge, or far away, is near its plain
+    label. With what a net has learned, m is the mean of that and of `way_share`: an obstacle is not only near
+    the horizon, but also far from the sure floor. Without a horizon in the image every label is plain.
 
     Args:
         image: (h, w, 3) uint8 RGB.
@@ -38,16 +44,103 @@ def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | Non
     Returns:
         (h, w) float32 in [0, 1], 1 above, 0.5 on the horizon; NaN where the elevation is NaN.
     """
-    mixed = 0.5 * np.exp(-horizon_distance(image, elevation, p_above))
-    target = np.where(elevation > 0.0, 1.0 - mixed, mixed)
+    cost = step_cost(image, elevation, p_above)
+    mixed = np.exp(-horizon_distance(cost, elevation))
+    if p_above is not None:
+        mixed = (mixed + way_share(cost, elevation, p_above)) / 2.0
+    return _target(mixed, elevation)
+
+
+def one_way_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
+    """The geodesic target by the way to the horizon alone, for comparison; see `geodesic_target`."""
+    return _target(np.exp(-horizon_distance(step_cost(image, elevation, p_above), elevation)), elevation)
+
+
+def _target(mixed: Map, elevation: Map) -> Map:
+    target = np.where(elevation > 0.0, 1.0 - 0.5 * mixed, 0.5 * mixed)
     return np.where(np.isnan(elevation), np.nan, target).astype(np.float32)
 
 
-def horizon_distance(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
+def way_share(cost: Map, elevation: Map, p_above: Map) -> Map:
+    """Where a pixel lies on the way from what a net is surest of, 0, to the horizon, 1: `s / (s + d)`.
+
+    s is the cost of the way to the sure pixels of the own side, d that of the way to the horizon. So a low
+    obstacle, which an edge parts from the horizon, but another one from the floor, too, lies in the middle.
+
+    Args:
+        cost: (h, w) of a step, see `step_cost`.
+        elevation: (h, w) rad, NaN where the ray is not valid.
+        p_above: (h, w) what the net says.
+
+    Returns:
+        (h, w) float32 in [0, 1]; 0 where no path leads to the horizon, 1 where one does and none to anything
+        sure.
+    """
+    horizon = horizon_seeds(elevation)
+    if not horizon.any():
+        return np.zeros(elevation.shape, np.float32)
+    to_horizon = path_cost(cost, horizon)
+    # Paths end at the horizon: what is sure on the other side of it says nothing about this one.
+    to_sure = path_cost(np.where(horizon, np.inf, cost), sure_pixels(elevation, p_above) & ~horizon)
+    reached = np.isfinite(to_horizon)
+    share = np.where(reached, 1.0, 0.0)
+    np.divide(to_sure, to_sure + to_horizon, out=share, where=reached & np.isfinite(to_sure) & ~horizon)
+    return share.astype(np.float32)
+
+
+def sure_pixels(elevation: Map, p_above: Map) -> NDArray[np.bool_]:
+    """(h, w) bool: those of each side where the net is surest of that side, the far ones before the near.
+
+    Where the net is nearly as sure of a dark obstacle as of the floor, the floor is what lies lower.
+    """
+    angle = np.abs(elevation)
+    odds = np.where(elevation > 0.0, 1.0, -1.0) * logit(p_above)
+    sureness = odds + ANGLE_WEIGHT * angle / max(float(np.nanmean(angle)), 1e-6)
+    sure = np.zeros(elevation.shape, bool)
+    for side in (elevation > 0.0, elevation <= 0.0):
+        if side.any():
+            sure |= side & (sureness >= np.quantile(sureness[side], 1.0 - SURE_SHARE))
+    return sure
+
+
+def horizon_distance(cost: Map, elevation: Map) -> Map:
     """Least cost of a path through the image from each pixel to the horizon line, 1 in the mean.
 
-    The cost of a step grows with the gradient relative to the image's mean gradient, and the distance is
-    relative to its mean below the horizon: neither contrast, light nor resolution matter.
+    The distance is relative to its mean below the horizon, so that light and resolution do not matter.
+
+    Args:
+        cost: (h, w) of a step, see `step_cost`.
+        elevation: (h, w) rad, NaN where the ray is not valid.
+
+    Returns:
+        (h, w) float32, 0 along the horizon, 1 in the mean over the pixels below it, infinite where no path
+        leads there.
+    """
+    distance = path_cost(cost, horizon_seeds(elevation))
+    below = distance[(elevation <= 0.0) & np.isfinite(distance)]
+    scale = max(float(below.mean()) if below.size else 1.0, LENGTH_COST)
+    return (distance / scale).astype(np.float32)
+
+
+def path_cost(cost: Map, seeds: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Least cost of a path from each pixel to a seed, (h, w); infinite where no path leads to one."""
+    if not seeds.any():
+        return np.full(cost.shape, np.inf)
+    distance: NDArray[np.float64] = MCP_Geometric(cost).find_costs(np.argwhere(seeds))[0]
+    return distance
+
+
+def logit(p: Map) -> Map:
+    """Log odds, nats, of probabilities kept `LEAST_P` from 0 and 1."""
+    p = p.clip(LEAST_P, 1.0 - LEAST_P)
+    odds: Map = np.log(p / (1.0 - p))
+    return odds
+
+
+def step_cost(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
+    """Cost of a step of one pixel: a constant, the image's edges, and the learned ones.
+
+    It grows with the gradient relative to the image's mean gradient, so that contrast does not matter.
 
     Args:
         image: (h, w, 3) uint8 RGB.
@@ -55,28 +148,15 @@ def horizon_distance(image: NDArray[np.uint8], elevation: Map, p_above: Map | No
         p_above: see `geodesic_target`.
 
     Returns:
-        (h, w) float32, 0 along the horizon, 1 in the mean over the pixels below it, infinite where no path
-        leads there.
+        (h, w) float32, infinite where the ray is not valid.
     """
-    seeds = horizon_seeds(elevation)
-    if not seeds.any():
-        return np.full(elevation.shape, np.inf, np.float32)
-    cost = np.where(np.isnan(elevation), np.inf, step_cost(image, p_above))
-    distance: NDArray[np.float64] = MCP_Geometric(cost).find_costs(np.argwhere(seeds))[0]
-    below = distance[(elevation <= 0.0) & np.isfinite(distance)]
-    scale = max(float(below.mean()) if below.size else 1.0, LENGTH_COST)
-    return (distance / scale).astype(np.float32)
-
-
-def step_cost(image: NDArray[np.uint8], p_above: Map | None = None) -> Map:
-    """Cost of a step of one pixel, (h, w) float32: a constant, the image's edges, and the learned ones."""
     blur_px = BLUR * np.sqrt(image.shape[0] * image.shape[1])
-    image_edges = edge_cost(lab_gradient(image, blur_px))
-    if p_above is None:
-        return LENGTH_COST + image_edges
-    p = p_above.clip(LEAST_P, 1.0 - LEAST_P)
-    learned_edges = edge_cost(gradient_size(np.log(p / (1.0 - p))[..., None], blur_px / 2))
-    return LENGTH_COST + IMAGE_SHARE * image_edges + learned_edges
+    cost = edge_cost(lab_gradient(image, blur_px))
+    if p_above is not None:
+        cost = IMAGE_SHARE * cost + edge_cost(gradient_size(logit(p_above)[..., None], blur_px / 2))
+    # The path finder crashes on NaN, which a net that went astray may give.
+    barred = np.isnan(elevation) | np.isnan(cost)
+    return np.where(barred, np.float32(np.inf), LENGTH_COST + cost)
 
 
 def edge_cost(gradient: Map) -> Map:

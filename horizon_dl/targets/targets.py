@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.view import View
-from horizon_dl.targets.geodesic import geodesic_target
+from horizon_dl.targets.geodesic import geodesic_target, one_way_target
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
 
@@ -16,8 +16,11 @@ Map = NDArray[np.float32]
 TARGETS: dict[str, Callable[..., Map]] = {
     "hard": hard_target,
     "guided": guided_target,
+    "one_way_geodesic": one_way_target,
     "geodesic": geodesic_target,
 }
+LEARNING = ("one_way_geodesic", "geodesic")
+"""Those that also follow what a net has learned so far."""
 
 
 def make_target(kind: str, view: View, p_above: Map | None = None) -> Map:
@@ -26,13 +29,13 @@ def make_target(kind: str, view: View, p_above: Map | None = None) -> Map:
     Args:
         kind: a name in `TARGETS`.
         view: image and elevation.
-        p_above: (h, w) what a net says of the view; the geodesic target follows its edges, too.
+        p_above: (h, w) what a net says of the view; only the targets in `LEARNING` follow it.
 
     Raises:
         InputError: if the kind is not known.
     """
     if kind not in TARGETS:
         raise InputError("target", f"{kind!r} is not known", f"use one of {', '.join(TARGETS)}")
-    if kind == "geodesic":
-        return geodesic_target(view.image, view.elevation, p_above)
+    if kind in LEARNING:
+        return TARGETS[kind](view.image, view.elevation, p_above)
     return TARGETS[kind](view.image, view.elevation)

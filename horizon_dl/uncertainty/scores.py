@@ -4,13 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.view import View
-from horizon_dl.targets.geodesic import LEAST_P, horizon_distance
+from horizon_dl.targets.geodesic import logit, step_cost, way_share
 from horizon_dl.uncertainty.measures import Measures, binary_entropy, p_other_side
 
 Map = NDArray[np.float32]
 
 P_ABOVE = "p_above"
 FRAME_WEIGHT = 0.5
+SHARE_MARGIN = 0.02
+"""The share of the way is kept this far from 0 and 1, where its log odds would drown the others."""
 PRIOR_WEIGHT = 0.5
 
 
@@ -40,16 +42,20 @@ def score_maps(view: View, found: Measures, single_pass: Map | None = None) -> d
 def fused_score(view: View, p_above: Map) -> Map:
     """What the learner says, what the frame itself shows, and what is known of the place, added as log odds.
 
-    The log odds of the other side, `logit p`; minus the distance to the horizon along paths that cross
-    neither the image's edges nor the learner's; minus the angle from the horizon over its mean, a geometric
-    prior: near the horizon obstacles are likelier than floor. The weights are fixed for all data.
+    The log odds of the other side, `logit p`; those of `way_share`, where the pixel lies on the way from what
+    the learner is surest of in this frame to the horizon, along paths that avoid edges; minus the angle from
+    the horizon over its mean, a geometric prior: near the horizon obstacles are likelier than floor. The
+    weights are fixed for all data.
 
     Returns:
         (h, w) in [0, 1].
     """
-    p = p_other_side(p_above, view.elevation > 0).clip(LEAST_P, 1.0 - LEAST_P)
-    distance = horizon_distance(view.image, view.elevation, p_above)
+    share = way_share(step_cost(view.image, view.elevation, p_above), view.elevation, p_above)
     angle = np.abs(view.elevation)
-    evidence = np.log(p / (1.0 - p)) - FRAME_WEIGHT * distance - PRIOR_WEIGHT * angle / np.nanmean(angle)
+    evidence = (
+        logit(p_other_side(p_above, view.elevation > 0))
+        + FRAME_WEIGHT * logit(SHARE_MARGIN + (1.0 - 2.0 * SHARE_MARGIN) * share)
+        - PRIOR_WEIGHT * angle / np.nanmean(angle)
+    )
     fused: Map = np.nan_to_num(1.0 / (1.0 + np.exp(-evidence))).astype(np.float32)
     return fused
