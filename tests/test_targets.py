@@ -14,6 +14,7 @@ from horizon_dl.targets.geodesic import (
     geodesic_target,
     horizon_distance,
     horizon_seeds,
+    nearness,
     one_way_target,
     step_cost,
     sure_pixels,
@@ -195,7 +196,6 @@ def test_horizon_distance_is_dijkstras():
     assert (np.isinf(cost) == np.isnan(elevation)).all()
     expected = dijkstra_distance(cost, horizon_seeds(elevation))
     valid = ~np.isnan(elevation)
-    expected /= expected[valid & (elevation <= 0)].mean()
     np.testing.assert_allclose(got[valid], expected[valid], rtol=1e-4, atol=1e-6)
 
 
@@ -218,8 +218,8 @@ def test_a_flat_image_costs_its_length_alone():
     elevation = level_elevation(41, 30) + np.float32(1e-3)  # horizon between rows 20 and 21
     steps = np.r_[20:-1:-1, 0:20]
     relative = steps / np.arange(20).mean()
-    distance = horizon_distance(step_cost(grey, elevation), elevation)
-    np.testing.assert_allclose(distance[:, 7], relative, atol=1e-5)
+    near = nearness(horizon_distance(step_cost(grey, elevation), elevation), elevation)
+    np.testing.assert_allclose(near[:, 7], np.exp(-relative), atol=1e-5)
     target = geodesic_target(grey, elevation)
     np.testing.assert_allclose(target[40, 7], 0.5 * np.exp(-relative[40]), rtol=1e-4)
     np.testing.assert_allclose(target[0, 7], 1 - 0.5 * np.exp(-relative[0]), rtol=1e-4)
@@ -271,8 +271,8 @@ def test_way_share_is_dijkstras():
     elevation[6:14, 4] = np.nan
     image, p_above = noise_image(1, 18, 22), np.nan_to_num(0.5 + elevation).clip(0.01, 0.99)
     cost, horizon = step_cost(image, elevation, p_above), horizon_seeds(elevation)
-    got = way_share(cost, elevation, p_above)
     to_horizon = dijkstra_distance(cost, horizon)
+    got = way_share(cost, elevation, p_above, to_horizon)
     own_side = sure_pixels(elevation, p_above)
     expected = np.zeros(cost.shape)
     for side in (elevation > 0, elevation <= 0):
@@ -304,7 +304,8 @@ def test_a_low_obstacle_is_told_from_the_floor_by_the_way_to_the_floor():
     p_above[75:105, 60:100] = 0.15
     floor, box = (slice(75, 105), slice(5, 45)), (slice(80, 100), slice(65, 95))
     one_way = one_way_target(image, elevation, p_above)
-    share = way_share(step_cost(image, elevation, p_above), elevation, p_above)
+    cost = step_cost(image, elevation, p_above)
+    share = way_share(cost, elevation, p_above, horizon_distance(cost, elevation))
     both_ways = geodesic_target(image, elevation, p_above)
     assert one_way[box].mean() < one_way[floor].mean()
     assert share[box].mean() > 1.2 * share[floor].mean()
@@ -316,7 +317,8 @@ def test_nothing_sure_in_reach_is_all_obstacle_and_no_horizon_is_plain():
     elevation[25] = np.nan  # what is sure lies beyond
     cost = np.ones(elevation.shape, np.float32)
     cost[25] = np.inf
-    share = way_share(cost, elevation, np.full(elevation.shape, 0.5, np.float32))
+    unsure = np.full(elevation.shape, 0.5, np.float32)
+    share = way_share(cost, elevation, unsure, horizon_distance(cost, elevation))
     assert (share[20:25] == 1.0).all()
     assert (share[26:] == 0.0).all()
     astray = np.full(elevation.shape, np.nan, np.float32)

@@ -36,7 +36,7 @@ class RiseRules:
     rise: float = 0.1
     noise: float = 1.5
     alarm_rad: float = math.radians(1.0)
-    prior_rad: float = math.radians(1.0)
+    prior_rad: float = math.radians(3.0)
     swing: float = 0.5
     knee_rad: float = math.radians(1.0)
     knee_factor: float = 1.25

@@ -26,6 +26,7 @@ ANGLE_WEIGHT = 0.5
 """Log odds that a pixel's side is worth more, the mean angle further from the horizon."""
 
 Map = NDArray[np.float32]
+Floats = NDArray[np.float64]
 
 
 def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
@@ -45,15 +46,17 @@ def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | Non
         (h, w) float32 in [0, 1], 1 above, 0.5 on the horizon; NaN where the elevation is NaN.
     """
     cost = step_cost(image, elevation, p_above)
-    mixed = np.exp(-horizon_distance(cost, elevation))
+    distance = horizon_distance(cost, elevation)
+    mixed = nearness(distance, elevation)
     if p_above is not None:
-        mixed = (mixed + way_share(cost, elevation, p_above)) / 2.0
+        mixed = (mixed + way_share(cost, elevation, p_above, distance)) / 2.0
     return _target(mixed, elevation)
 
 
 def one_way_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
     """The geodesic target by the way to the horizon alone, for comparison; see `geodesic_target`."""
-    return _target(np.exp(-horizon_distance(step_cost(image, elevation, p_above), elevation)), elevation)
+    distance = horizon_distance(step_cost(image, elevation, p_above), elevation)
+    return _target(nearness(distance, elevation), elevation)
 
 
 def _target(mixed: Map, elevation: Map) -> Map:
@@ -61,7 +64,7 @@ def _target(mixed: Map, elevation: Map) -> Map:
     return np.where(np.isnan(elevation), np.nan, target).astype(np.float32)
 
 
-def way_share(cost: Map, elevation: Map, p_above: Map) -> Map:
+def way_share(cost: Map, elevation: Map, p_above: Map, distance: Floats) -> Map:
     """Where a pixel lies on the way from what a net is surest of, 0, to the horizon, 1: `s / (s + d)`.
 
     s is the cost of the way to the sure pixels of the own side, d that of the way to the horizon. So a low
@@ -71,6 +74,7 @@ def way_share(cost: Map, elevation: Map, p_above: Map) -> Map:
         cost: (h, w) of a step, see `step_cost`.
         elevation: (h, w) rad, NaN where the ray is not valid.
         p_above: (h, w) what the net says.
+        distance: (h, w) d, of `horizon_distance`.
 
     Returns:
         (h, w) float32 in [0, 1]; 0 where no path leads to the horizon, 1 where one does and none to anything
@@ -79,12 +83,11 @@ def way_share(cost: Map, elevation: Map, p_above: Map) -> Map:
     horizon = horizon_seeds(elevation)
     if not horizon.any():
         return np.zeros(elevation.shape, np.float32)
-    to_horizon = path_cost(cost, horizon)
     # Paths end at the horizon: what is sure on the other side of it says nothing about this one.
     to_sure = path_cost(np.where(horizon, np.inf, cost), sure_pixels(elevation, p_above) & ~horizon)
-    reached = np.isfinite(to_horizon)
+    reached = np.isfinite(distance)
     share = np.where(reached, 1.0, 0.0)
-    np.divide(to_sure, to_sure + to_horizon, out=share, where=reached & np.isfinite(to_sure) & ~horizon)
+    np.divide(to_sure, to_sure + distance, out=share, where=reached & np.isfinite(to_sure) & ~horizon)
     return share.astype(np.float32)
 
 
@@ -103,30 +106,35 @@ def sure_pixels(elevation: Map, p_above: Map) -> NDArray[np.bool_]:
     return sure
 
 
-def horizon_distance(cost: Map, elevation: Map) -> Map:
-    """Least cost of a path through the image from each pixel to the horizon line, 1 in the mean.
-
-    The distance is relative to its mean below the horizon, so that light and resolution do not matter.
+def horizon_distance(cost: Map, elevation: Map) -> Floats:
+    """Least cost of a path through the image from each pixel to the horizon line.
 
     Args:
         cost: (h, w) of a step, see `step_cost`.
         elevation: (h, w) rad, NaN where the ray is not valid.
 
     Returns:
-        (h, w) float32, 0 along the horizon, 1 in the mean over the pixels below it, infinite where no path
-        leads there.
+        (h, w), 0 along the horizon, infinite where no path leads there.
     """
-    distance = path_cost(cost, horizon_seeds(elevation))
+    return path_cost(cost, horizon_seeds(elevation))
+
+
+def nearness(distance: Floats, elevation: Map) -> Map:
+    """`exp(-d)` of the distance to the horizon, (h, w) in [0, 1], 1 on it.
+
+    The distance is taken relative to its mean below the horizon: neither light nor resolution matter.
+    """
     below = distance[(elevation <= 0.0) & np.isfinite(distance)]
     scale = max(float(below.mean()) if below.size else 1.0, LENGTH_COST)
-    return (distance / scale).astype(np.float32)
+    near: Map = np.exp(-(distance / scale).astype(np.float32))
+    return near
 
 
-def path_cost(cost: Map, seeds: NDArray[np.bool_]) -> NDArray[np.float64]:
+def path_cost(cost: Map, seeds: NDArray[np.bool_]) -> Floats:
     """Least cost of a path from each pixel to a seed, (h, w); infinite where no path leads to one."""
     if not seeds.any():
         return np.full(cost.shape, np.inf)
-    distance: NDArray[np.float64] = MCP_Geometric(cost).find_costs(np.argwhere(seeds))[0]
+    distance: Floats = MCP_Geometric(cost).find_costs(np.argwhere(seeds))[0]
     return distance
 
 

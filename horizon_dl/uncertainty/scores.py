@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.view import View
-from horizon_dl.targets.geodesic import logit, step_cost, way_share
+from horizon_dl.targets.geodesic import horizon_distance, logit, step_cost, way_share
 from horizon_dl.uncertainty.measures import Measures, binary_entropy, p_other_side
 
 Map = NDArray[np.float32]
@@ -50,7 +50,8 @@ def fused_score(view: View, p_above: Map) -> Map:
     Returns:
         (h, w) in [0, 1].
     """
-    share = way_share(step_cost(view.image, view.elevation, p_above), view.elevation, p_above)
+    cost = step_cost(view.image, view.elevation, p_above)
+    share = way_share(cost, view.elevation, p_above, horizon_distance(cost, view.elevation))
     angle = np.abs(view.elevation)
     evidence = (
         logit(p_other_side(p_above, view.elevation > 0))
