@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from ablations import ABLATIONS
 from nets import store_of, trained_net
 from numpy.typing import NDArray
 
@@ -27,8 +28,8 @@ DARK = 0.6
 LUMA = np.array([0.299, 0.587, 0.114])
 WANTED_TPR = 0.9
 NETS = {
-    "hard labels (before)": ("target.kind=hard", "train.rounds=[350]"),
-    "image edges only": ("train.rounds=[350]",),
+    "hard labels (before)": ABLATIONS["hard labels"],
+    "image edges only": ABLATIONS["geodesic, image edges only (one round)"],
     "default (after)": (),
 }
 PARTS = ("lit", "shade")

@@ -10,7 +10,9 @@ from horizon_dl.config import load_config
 from horizon_dl.geometry.view import View
 from horizon_dl.learning.coarse import coarse_frame, coarse_target, half_elevation
 from horizon_dl.learning.crops import training_frame
+from horizon_dl.models.build import build_net
 from horizon_dl.targets.geodesic import geodesic_target
+from horizon_dl.uncertainty.dropout import p_above_of_all_depths
 
 
 def a_view(shape=(48, 65)) -> View:
@@ -46,10 +48,13 @@ def test_the_coarse_target_is_near_the_fine_one():
     assert np.abs(coarse.target.astype(float) - fine.target.astype(float)).mean() < 0.06
 
 
-def test_the_coarse_target_is_that_of_the_halved_view():
-    view = a_view((48, 64))
+@pytest.mark.parametrize("guided", [False, True])
+def test_the_coarse_target_is_that_of_the_halved_view(guided):
+    view, config = a_view((48, 64)), load_config()
+    net = build_net(config.model).eval() if guided else None
     half = view.image.reshape(24, 2, 32, 2, 3).mean(axis=(1, 3)).round().astype(np.uint8)
-    expected = geodesic_target(half, half_elevation(view.elevation))
-    found = coarse_target(view.image, half_elevation(view.elevation), load_config(), None)
+    p_above = None if net is None else p_above_of_all_depths(net, view.image, (24, 32))
+    expected = geodesic_target(half, half_elevation(view.elevation), p_above)
+    found = coarse_target(view.image, half_elevation(view.elevation), config, net)
     np.testing.assert_allclose(found[::2, ::2], expected, atol=0.02)
     assert np.array_equal(found[::2, ::2], found[1::2, 1::2])

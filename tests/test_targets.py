@@ -6,8 +6,10 @@ from hypothesis import strategies as st
 from scipy import ndimage, sparse
 from scipy.sparse.csgraph import dijkstra
 
+from horizon_dl.config import Config, TargetConfig
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.view import View
+from horizon_dl.learning.crops import training_frame
 from horizon_dl.targets.geodesic import (
     BLUR,
     CHROMA,
@@ -294,7 +296,7 @@ def test_sure_is_what_the_net_says_and_of_equals_what_lies_further_off():
     assert sure_pixels(elevation, p_above)[25, 10:40].all()
 
 
-def test_a_low_obstacle_is_told_from_the_floor_by_the_way_to_the_floor():
+def test_the_way_to_the_sure_floor_speaks_for_a_low_obstacle():
     """A box on the floor, lower than the camera: edges part it from the horizon and from the floor alike."""
     image = np.full((120, 160, 3), 200, np.uint8)
     image[60:] = (120, 130, 110)
@@ -307,19 +309,50 @@ def test_a_low_obstacle_is_told_from_the_floor_by_the_way_to_the_floor():
     cost = step_cost(image, elevation, p_above)
     share = way_share(cost, elevation, p_above, horizon_distance(cost, elevation))
     both_ways = geodesic_target(image, elevation, p_above)
-    assert one_way[box].mean() < one_way[floor].mean()
-    assert share[box].mean() > 1.2 * share[floor].mean()
-    np.testing.assert_allclose(both_ways, (one_way + np.where(elevation > 0, 1 - share / 2, share / 2)) / 2)
+    assert share[box].mean() > 2.5 * share[floor].mean()
+    gaps = [target[floor].mean() - target[box].mean() for target in (one_way, both_ways)]
+    assert 0 < gaps[1] < 0.2 * gaps[0]
 
 
-def test_nothing_sure_in_reach_is_all_obstacle_and_no_horizon_is_plain():
+def test_learned_edges_are_dear():
+    """A net that parts a flat image in two: the way across costs its edge, and half of the image's counts."""
+    flat, elevation = np.full((60, 80, 3), 128, np.uint8), level_elevation(60, 80)
+    p_above = np.full((60, 80), 0.1, np.float32)
+    p_above[:, 40:] = 0.6
+    blur_px = BLUR * np.sqrt(60 * 80) / 2
+    odds = cv2.GaussianBlur(
+        np.log(p_above / (1 - p_above)).astype(np.float64), (0, 0), blur_px, borderType=cv2.BORDER_REFLECT
+    )
+    gradient = np.abs(np.gradient(odds, axis=1))
+    expected = 0.1 + np.minimum((gradient / gradient.mean()) ** 1.5, 6.0)
+    inner = (slice(4, -4), slice(4, -4))
+    np.testing.assert_allclose(step_cost(flat, elevation, p_above)[inner], expected[inner], rtol=0.08)
+    image = noise_image(3, 60, 80)
+    unsure = np.full((60, 80), 0.5, np.float32)
+    halved = 0.1 + (step_cost(image, elevation) - 0.1) / 2
+    np.testing.assert_allclose(step_cost(image, elevation, unsure), halved, rtol=1e-4)
+
+
+@pytest.mark.parametrize("learning", ["one_way_geodesic", "geodesic"])
+def test_what_the_net_says_reaches_the_target(learning):
+    view = View("a", 0.0, noise_image(), level_elevation())
+    p_above = np.random.default_rng(2).random((HEIGHT, WIDTH), np.float32)
+    target = make_target(learning, view, p_above)
+    np.testing.assert_array_equal(target, TARGETS[learning](view.image, view.elevation, p_above))
+    assert np.abs(target - make_target(learning, view)).mean() > 0.01
+    frame = training_frame(view, Config(target=TargetConfig(kind=learning)), p_above)
+    np.testing.assert_array_equal(frame.target, target.astype(np.float16))
+
+
+def test_nothing_sure_in_reach_says_nothing_and_no_horizon_is_plain():
     elevation = level_elevation()
     elevation[25] = np.nan  # what is sure lies beyond
     cost = np.ones(elevation.shape, np.float32)
     cost[25] = np.inf
     unsure = np.full(elevation.shape, 0.5, np.float32)
     share = way_share(cost, elevation, unsure, horizon_distance(cost, elevation))
-    assert (share[20:25] == 1.0).all()
+    assert (share[19:21] == 1.0).all()
+    assert (share[21:25] == 0.5).all()
     assert (share[26:] == 0.0).all()
     astray = np.full(elevation.shape, np.nan, np.float32)
     assert np.isfinite(geodesic_target(noise_image(), level_elevation(), astray)).all()

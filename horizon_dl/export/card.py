@@ -60,7 +60,7 @@ OUTPUTS = {
     "obstacle among their 8 neighbours; nearest-pixel enlargement of the working size",
 }
 LEFT_OUT = {
-    "fused": "the diffusion of the frame's own horizon label is a shortest-path search, no tensor operator",
+    "fused": "the way between the sure floor and the horizon is a shortest-path search, no tensor operator",
     "single_pass_entropy": "a baseline only; the net without dropout would cost a second last layer",
     "free distance": "ranging needs the height, which is no input of the image's graph",
 }

@@ -40,7 +40,7 @@ def coarse_target(
         image: (h, w, 3) uint8 RGB.
         elevation: (h // 2, w // 2) rad, as of `half_elevation`.
         config: names the kind of target.
-        guide: the target also follows the edges in what this net says; None: in the image alone.
+        guide: the target also follows what this net says; None: the image alone.
 
     Returns:
         (h, w) in [0, 1]; 0 where nothing is known.

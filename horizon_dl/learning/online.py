@@ -35,7 +35,7 @@ Map = NDArray[np.float32]
 NEWEST_CROPS = 1
 """Crops of the newest frame in every batch; the others come from the memory."""
 FIRST_GUIDED_FRAME = 10
-"""From this frame on the targets also follow the edges in what the net has learned."""
+"""From this frame on the targets also follow what the net has learned."""
 RENEWAL_FRAMES = 2
 """Then one old target is made anew every so many frames."""
 UNGUIDED = -1

@@ -44,8 +44,8 @@ def train_net(
     """A net trained on frames of a recording, in rounds.
 
     The targets of the first round follow the edges of the images alone; those of every further round also
-    the edges in what the net has learned so far. What it took for one surface in most frames then is one in
-    the frames where shade or a reflection cuts it.
+    what the net has learned so far, its edges and where it is surest. What it took for one surface in most
+    frames then is one in the frames where shade or a reflection cuts it.
 
     Args:
         store: where the frames come from.

@@ -1,4 +1,4 @@
-"""The horizon label spread along paths through the image that cross no edge."""
+"""The horizon label spread along paths that cross no edge, from the horizon and from the sure floor."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,8 @@ def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | Non
     Args:
         image: (h, w, 3) uint8 RGB.
         elevation: (h, w) rad, NaN where the ray is not valid; no path leads through such pixels.
-        p_above: (h, w) what a net trained on such targets says, whose edges are then edges, too.
+        p_above: (h, w) what a net trained on such targets says: its edges are edges, too, and where it is
+            surest the way begins.
 
     Returns:
         (h, w) float32 in [0, 1], 1 above, 0.5 on the horizon; NaN where the elevation is NaN.
@@ -77,8 +78,8 @@ def way_share(cost: Map, elevation: Map, p_above: Map, distance: Floats) -> Map:
         distance: (h, w) d, of `horizon_distance`.
 
     Returns:
-        (h, w) float32 in [0, 1]; 0 where no path leads to the horizon, 1 where one does and none to anything
-        sure.
+        (h, w) float32 in [0, 1]; 0 where no path leads to the horizon, 0.5 where one does and none to
+        anything sure.
     """
     horizon = horizon_seeds(elevation)
     if not horizon.any():
@@ -86,7 +87,7 @@ def way_share(cost: Map, elevation: Map, p_above: Map, distance: Floats) -> Map:
     # Paths end at the horizon: what is sure on the other side of it says nothing about this one.
     to_sure = path_cost(np.where(horizon, np.inf, cost), sure_pixels(elevation, p_above) & ~horizon)
     reached = np.isfinite(distance)
-    share = np.where(reached, 1.0, 0.0)
+    share = np.where(horizon, 1.0, np.where(reached, 0.5, 0.0))
     np.divide(to_sure, to_sure + distance, out=share, where=reached & np.isfinite(to_sure) & ~horizon)
     return share.astype(np.float32)
 
@@ -96,14 +97,21 @@ def sure_pixels(elevation: Map, p_above: Map) -> NDArray[np.bool_]:
 
     Where the net is nearly as sure of a dark obstacle as of the floor, the floor is what lies lower.
     """
-    angle = np.abs(elevation)
     odds = np.where(elevation > 0.0, 1.0, -1.0) * logit(p_above)
-    sureness = odds + ANGLE_WEIGHT * angle / max(float(np.nanmean(angle)), 1e-6)
+    sureness = odds + ANGLE_WEIGHT * relative_angle(elevation)
     sure = np.zeros(elevation.shape, bool)
     for side in (elevation > 0.0, elevation <= 0.0):
         if side.any():
             sure |= side & (sureness >= np.quantile(sureness[side], 1.0 - SURE_SHARE))
     return sure
+
+
+def relative_angle(elevation: Map) -> Map:
+    """Angle from the horizon over its mean in the image, (h, w); NaN where the elevation is NaN."""
+    angle = np.abs(elevation)
+    known = angle[~np.isnan(angle)]
+    relative: Map = angle / np.float32(max(float(known.mean()) if known.size else 1.0, 1e-6))
+    return relative
 
 
 def horizon_distance(cost: Map, elevation: Map) -> Floats:

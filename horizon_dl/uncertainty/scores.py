@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.view import View
-from horizon_dl.targets.geodesic import horizon_distance, logit, step_cost, way_share
+from horizon_dl.targets.geodesic import horizon_distance, logit, relative_angle, step_cost, way_share
 from horizon_dl.uncertainty.measures import Measures, binary_entropy, p_other_side
 
 Map = NDArray[np.float32]
@@ -52,11 +52,10 @@ def fused_score(view: View, p_above: Map) -> Map:
     """
     cost = step_cost(view.image, view.elevation, p_above)
     share = way_share(cost, view.elevation, p_above, horizon_distance(cost, view.elevation))
-    angle = np.abs(view.elevation)
     evidence = (
         logit(p_other_side(p_above, view.elevation > 0))
         + FRAME_WEIGHT * logit(SHARE_MARGIN + (1.0 - 2.0 * SHARE_MARGIN) * share)
-        - PRIOR_WEIGHT * angle / np.nanmean(angle)
+        - PRIOR_WEIGHT * relative_angle(view.elevation)
     )
     fused: Map = np.nan_to_num(1.0 / (1.0 + np.exp(-evidence))).astype(np.float32)
     return fused
