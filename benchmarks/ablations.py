@@ -17,9 +17,7 @@ ABLATIONS: dict[str, tuple[str, ...]] = {
     "geodesic, image edges only (one round)": ("train.rounds=[450]",),
     "without the way from the sure floor": ("target.kind=one_way_geodesic",),
     "no dropout in training": ("model.dropout=0.0",),
-    "dropout 0.5": ("model.dropout=0.5",),
     "half as wide": ("model.channels=16",),
-    "ResNet-18 encoder, random weights": ("model.kind=resnet18",),
 }
 
 

@@ -110,8 +110,7 @@ def relative_angle(elevation: Map) -> Map:
     """Angle from the horizon over its mean in the image, (h, w); NaN where the elevation is NaN."""
     angle = np.abs(elevation)
     known = angle[~np.isnan(angle)]
-    relative: Map = angle / np.float32(max(float(known.mean()) if known.size else 1.0, 1e-6))
-    return relative
+    return (angle / max(float(known.mean()) if known.size else 1.0, 1e-6)).astype(np.float32)
 
 
 def horizon_distance(cost: Map, elevation: Map) -> Floats:
