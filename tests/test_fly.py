@@ -39,6 +39,8 @@ MOUNT = (0.0, math.radians(-15), 0.0)
 LEVEL = quaternion_from_rpy(0.0, 0.0, 0.0)
 WALL_M, HEIGHT_M = 3.0, 1.0
 KEY = bytes(range(32))
+LARGEST_GAP_S = 0.5
+"""Between two messages sent 50 times a second, however busy the machine; autopilots bear 0.5 s."""
 
 
 class WallModel:
@@ -70,6 +72,7 @@ class Line:
     def __init__(self) -> None:
         self.incoming: list[bytes] = []
         self.sent: list[bytes] = []
+        self.distances_at_s: list[float] = []
 
     def receive(self, timeout_s: float) -> tuple[bytes, None]:
         if not self.incoming:
@@ -82,10 +85,17 @@ class Line:
 
     def send(self, content: bytes) -> bool:
         self.sent.append(content)
+        if is_distances(content):
+            self.distances_at_s.append(time.monotonic())
         return True
 
     def close(self) -> None:
         pass
+
+
+def is_distances(content: bytes) -> bool:
+    """Whether it is OBSTACLE_DISTANCE of MAVLink 2, by the message's number in the header."""
+    return int.from_bytes(content[7:10], "little") == common.MAVLINK_MSG_ID_OBSTACLE_DISTANCE
 
 
 def codec(system: int = 1, component: int = 1, key: bytes | None = None) -> Any:
@@ -183,27 +193,59 @@ def test_a_stall_is_unknown_within_half_a_second_and_recovers(stalled: str) -> N
 
     def known() -> bool:
         # The body is not tilted, so the range finder's height is the camera's.
-        return decoded(line.sent[-10:])[-1].distances[0] != UNKNOWN_CM
+        return is_known(decoded(line.sent[-10:])[-1])
 
     threading.Thread(target=feed, daemon=True).start()
     runner = threading.Thread(target=flying.run, args=(see(),), daemon=True)
     runner.start()
     wait_for(lambda: len(decoded(line.sent[-10:])) > 3 and known())
+    since = len(line.sent)
     broken.set()
     model.fails = stalled == "model"
     wait_for(lambda: not known(), 1.0)
+    unknown_since = len(line.sent)
     time.sleep(0.5)
     assert not known()
+    in_the_stall = decoded(line.sent[unknown_since:])
+    assert len(in_the_stall) > 5
+    assert not any(is_known(message) for message in in_the_stall)
     broken.clear()
     model.fails = False
     wait_for(known)
     flying.stop()
     runner.join(3)
     texts = " | ".join(message.text for message in decoded(line.sent, "STATUSTEXT"))
-    assert {"model": "model failed: Runt", "camera": "camera stale", "attitude": "attitude stale"}[stalled][
-        :12
-    ] in texts
+    later = " | ".join(message.text for message in decoded(line.sent[since:], "STATUSTEXT"))
+    said = {"model": "model failed: Runt", "camera": "camera stale", "attitude": "attitude stale"}
+    assert said[stalled] in later  # before its first picture every flight says "stale"
     assert texts.count("recovered") >= 2
+
+
+def is_known(message: Any) -> bool:
+    """Whether any sector tells anything."""
+    return set(message.distances) != {UNKNOWN_CM}
+
+
+def test_messages_keep_their_rate_while_the_model_hangs() -> None:
+    line, model = Line(), WallModel()
+    fly = Fly(
+        sighting(model), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True)
+    )
+    runner = threading.Thread(target=fly.run, args=(pictures(1000), 2.5), daemon=True)
+    runner.start()
+    wait_for(lambda: any(map(is_known, decoded(line.sent[-10:]))))
+    model.takes_s = 1.0
+    time.sleep(0.6)  # a look at work, and what was known has become stale
+    first = len(line.sent)
+    time.sleep(0.3)
+    hanging = decoded(line.sent[first:])
+    model.takes_s = 0.0
+    wait_for(lambda: is_known(decoded(line.sent[-10:])[-1]))
+    runner.join(5)
+    assert len(hanging) > 3
+    assert not any(map(is_known, hanging))
+    assert len(line.distances_at_s) > 50
+    assert max(np.diff(line.distances_at_s)) < LARGEST_GAP_S
 
 
 def wait_for(condition: Any, timeout_s: float = 3.0) -> None:
@@ -224,6 +266,9 @@ def test_fast_and_slow_cameras(period_s: float, takes_s: float) -> None:
     messages = decoded(line.sent)[:-1]
     known = [m.distances[0] != UNKNOWN_CM for m in messages]
     assert sum(known) > 0.4 * len(known)
+    # The view's sectors tell all together or not at all; behind the camera nothing is ever told.
+    assert {sum(cm != UNKNOWN_CM for cm in m.distances) > 5 for m in messages if is_known(m)} == {True}
+    assert {cm for m in messages for cm in m.distances[8:65]} == {UNKNOWN_CM}
     summary = fly.summary()
     if takes_s:
         assert summary["pictures"]["skipped"] > 0.5 * summary["pictures"]["seen"]  # the latest wins
@@ -231,6 +276,7 @@ def test_fast_and_slow_cameras(period_s: float, takes_s: float) -> None:
     else:
         assert summary["pictures"]["skipped"] == 0
     assert summary["period"]["median_ms"] == pytest.approx(20, abs=10)
+    assert max(np.diff(line.distances_at_s)) < LARGEST_GAP_S
 
 
 def test_without_height_obstacles_are_unknown_not_invented() -> None:
@@ -354,6 +400,7 @@ def test_attitude_and_height_of_messages() -> None:
         current_distance=200,
         min_distance=10,
         max_distance=900,
+        signal_quality=0,
     )
     autopilot.take(finder, 50.1)
     assert autopilot.buffer.height_at(50.1) == pytest.approx(1.0)  # 2 m along an axis tilted by 60 degrees
@@ -374,11 +421,24 @@ def test_attitude_in_angles_is_the_same_attitude() -> None:
     assert autopilot.buffer.newest_s == pytest.approx(5.0)
 
 
-@pytest.mark.parametrize(("orientation", "cm", "expected"), [(25, 150, 1.5), (0, 150, None), (25, 5, None)])
-def test_only_a_range_finder_that_looks_down_counts(
-    orientation: int, cm: int, expected: float | None
+@pytest.mark.parametrize(
+    ("orientation", "cm", "quality", "expected"),
+    [
+        (25, 150, 0, 1.5),  # 0: the quality is not known
+        (25, 150, 100, 1.5),
+        (25, 150, 2, 1.5),
+        (25, 150, 1, None),  # 1: the signal is invalid
+        (0, 150, 0, None),
+        (25, 5, 0, None),
+    ],
+)
+def test_only_a_range_finder_that_looks_down_and_sees_counts(
+    orientation: int, cm: int, quality: int, expected: float | None
 ) -> None:
-    message = SimpleNamespace(orientation=orientation, current_distance=cm, min_distance=10, max_distance=900)
+    sent = common.MAVLink_distance_sensor_message(
+        0, 10, 900, cm, 0, 0, orientation, 0, signal_quality=quality
+    )
+    message = codec().parse_buffer(sent.pack(codec()))[0]
     assert height_of("DISTANCE_SENSOR", message) == expected
 
 

@@ -25,6 +25,7 @@ from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.calibration import read_calibration
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.obstacles.ranging import Outcome
+from horizon_dl.onboard import pictures
 from horizon_dl.onboard.fly import Fly, FlySettings
 from horizon_dl.onboard.mavlink import Link
 from horizon_dl.onboard.model import ObstacleModel
@@ -63,16 +64,18 @@ class Silent:
 
 
 class FakeCapture:
-    """OpenCV's camera, which stands still between two times."""
+    """OpenCV's camera, which between two times stands still or fails."""
 
     stall: tuple[float, float] = (math.inf, math.inf)
-    end_s = math.inf
+    fails: tuple[float, float] = (math.inf, math.inf)
+    opened = 0
 
     def __init__(self, device: object) -> None:
         assert device == 3
+        type(self).opened += 1
 
     def isOpened(self) -> bool:  # noqa: N802
-        return True
+        return not self.fails[0] < time.monotonic() < self.fails[1]
 
     def get(self, what: int) -> float:
         return 0.0
@@ -82,7 +85,7 @@ class FakeCapture:
         start, end = self.stall
         while start < time.monotonic() < end:
             time.sleep(0.01)
-        return time.monotonic() < self.end_s, np.zeros((24, 32, 3), np.uint8)
+        return self.isOpened(), np.zeros((24, 32, 3), np.uint8)
 
     def release(self) -> None:
         pass
@@ -97,22 +100,26 @@ def messages_of(sent: list[bytes], kind: str, key: bytes | None = None) -> list[
     return [message for message in found if message.get_type() == kind]
 
 
-def with_attitude(pictures: Iterator[Picture]) -> Iterator[Picture]:
+def with_attitude(captured: Iterator[Picture]) -> Iterator[Picture]:
     up = up_in_camera(quaternion_from_rpy(0, 0, 0), MOUNT)
-    return (Picture(one.time_s, one.image, up, 1.5) for one in pictures)
+    return (Picture(one.time_s, one.image, up, 1.5) for one in captured)
 
 
-def test_an_opencv_camera_that_stalls_is_unknown_and_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("trouble", ["stall", "fails"])
+def test_an_opencv_camera_in_trouble_is_unknown_and_comes_back(
+    trouble: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     sighting, line = Sighting.of(FlatModel(CAMERA), MOUNT), Silent()
     now = time.monotonic()
+    start, end = now + 1.0, now + 2.0
     monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
-    monkeypatch.setattr(FakeCapture, "stall", (now + 1.0, now + 2.0))
-    monkeypatch.setattr(FakeCapture, "end_s", now + 3.2)
+    monkeypatch.setattr(FakeCapture, trouble, (start, end))
     flight = Fly(sighting, Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
-    flight.run(with_attitude(capture("camera:3", time.monotonic)))
-    start, end = FakeCapture.stall
+    camera = capture("camera:3", time.monotonic)
+    flight.run(with_attitude(camera), 3.7)
+    camera.stop()
     known = [
-        (at_s, message.distances[0] != UNKNOWN_CM)
+        (at_s, set(message.distances) != {UNKNOWN_CM})
         for at_s, content in zip(line.at_s, line.sent, strict=True)
         for message in messages_of([content], "OBSTACLE_DISTANCE")
     ]
@@ -121,14 +128,56 @@ def test_an_opencv_camera_that_stalls_is_unknown_and_comes_back(monkeypatch: pyt
     assert in_the_stall
     assert not any(in_the_stall)
     assert any(good for at_s, good in known if at_s > end)
-    texts = [m.text for m in messages_of(line.sent, "STATUSTEXT")]
+    later = [content for at_s, content in zip(line.at_s, line.sent, strict=True) if at_s > start]
+    texts = [m.text for m in messages_of(later, "STATUSTEXT")]
     assert any("camera stale" in text for text in texts)
+    assert "Obstacles: recovered" in texts
+
+
+def test_a_camera_that_never_comes_back_is_opened_again_until_the_flight_ends(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sighting, line = Sighting.of(FlatModel(CAMERA), MOUNT), Silent()
+    monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
+    monkeypatch.setattr(FakeCapture, "opened", 0)
+    monkeypatch.setattr(FakeCapture, "fails", (time.monotonic() + 0.3, math.inf))
+    monkeypatch.setattr(pictures, "REOPEN_S", 0.05)
+    flight = Fly(sighting, Link(line), FlySettings(mount_rpy_rad=MOUNT, recorded_attitude=True))
+    start = time.monotonic()
+    flight.run(capture("camera:3", time.monotonic), 1.0)
+    assert 1.0 <= time.monotonic() - start < 1.7
+    assert 3 < FakeCapture.opened < 20
+    assert not [thread for thread in threading.enumerate() if thread.name == "pictures"]
+
+
+def test_a_camera_in_its_pause_ends_at_once_when_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
+    monkeypatch.setattr(FakeCapture, "fails", (time.monotonic() + 0.1, math.inf))
+    monkeypatch.setattr(pictures, "REOPEN_S", 60.0)
+    camera = capture("camera:3", time.monotonic)
+    reader = threading.Thread(target=lambda: list(camera), daemon=True)
+    reader.start()
+    time.sleep(0.4)
+    assert reader.is_alive()
+    camera.stop()
+    reader.join(1.0)
+    assert not reader.is_alive()
+
+
+@pytest.mark.parametrize("loop", [False, True])
+def test_a_replay_without_a_frame_that_can_be_read_ends_with_one_line(loop: bool, tmp_path: Path) -> None:
+    folder = make_sets.images_csv(tmp_path / "set")
+    recording = open_recording(folder)
+    for entry in recording.entries:
+        entry.image_path.write_bytes(b"no picture")
+    with pytest.raises(InputError, match="no frame that can be read"):
+        next(replay(recording, time.monotonic, loop=loop))
 
 
 def test_a_picture_is_as_old_as_the_cameras_delay(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
-    pictures = capture("camera:3", lambda: 100.0, delay_s=0.12)
-    assert next(pictures).time_s == pytest.approx(99.88)
+    camera = capture("camera:3", lambda: 100.0, delay_s=0.12)
+    assert next(camera).time_s == pytest.approx(99.88)
 
 
 def test_the_attitude_is_that_of_the_pictures_time() -> None:
@@ -254,4 +303,5 @@ def test_a_signed_flight_over_a_video(tmp_path: Path, monkeypatch: pytest.Monkey
     signed = messages_of(received, "OBSTACLE_DISTANCE", KEY)
     clear = sum(message.distances[0] == 1001 for message in signed)
     assert clear > 0.3 * len(signed) > 10
+    assert {cm for message in signed for cm in message.distances} == {1001, UNKNOWN_CM}
     assert not messages_of(received, "OBSTACLE_DISTANCE", bytes(32))

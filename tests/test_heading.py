@@ -1,6 +1,7 @@
 """Free headings and the temporal filter, against plain geometry and loops."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -157,8 +158,20 @@ def test_old_frames_are_forgotten_and_unknown_stays_unknown() -> None:
     filter_.add(0.1, 0.0, sectors(np.full(31, 1.0)))
     assert np.isinf(filter_.add(5.0, 0.0, sectors(FREE)).distance_m).all()
     assert (filter_.add(5.1, 0.0, no_distances(CENTRES)).outcome == Outcome.UNKNOWN).all()
-    filter_.clear()
+
+
+def test_what_was_free_before_a_stall_is_not_free_after_it() -> None:
+    filter_ = SectorFilter(3)
+    for time_s in (0.0, 0.1, 0.2):
+        filter_.add(time_s, 0.0, sectors(FREE))
+    np.testing.assert_allclose(filter_.add(0.62, 0.0, sectors(np.full(31, 1.0))).distance_m, 1.0)
     assert filter_.delay_s == 0.0
+
+
+def test_a_covered_sector_is_never_chosen() -> None:
+    far = sectors(np.full(31, 9.0))
+    assert free_heading(far, 0.0, 0.3, 2.0) is not None
+    assert free_heading(replace(far, contact_seen=np.zeros(31, bool)), 0.0, 0.3, 2.0) is None
 
 
 @pytest.mark.parametrize("frames", [0, 2, -1])

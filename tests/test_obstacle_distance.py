@@ -1,6 +1,7 @@
 """OBSTACLE_DISTANCE by the rules of its receivers, the watchdog and the attitude buffer."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -98,6 +99,18 @@ def test_no_element_is_ever_better_than_what_is_known(metres: list[float]) -> No
             assert cm[index] == 1001
         else:
             assert cm[index] == UNKNOWN_CM
+
+
+def test_an_obstacle_that_covers_the_nearest_ground_is_said_at_the_minimum() -> None:
+    """How near it is, nobody has seen: the farthest that it can be is no distance to fly by."""
+    n, shape = BEARINGS.count, MessageShape()
+    seen = sectors(np.full(n, 3.0))
+    covered = replace(seen, contact_seen=np.zeros(n, bool))
+    known = distances_cm(seen, shape) == 300
+    assert known.any()
+    assert (distances_cm(covered, shape)[known] == shape.min_cm).all()
+    without_metres = replace(covered, distance_m=np.full(n, np.nan, np.float32))
+    assert (distances_cm(without_metres, shape) == UNKNOWN_CM).all()
 
 
 def test_none_is_unknown_everywhere() -> None:

@@ -58,6 +58,23 @@ def test_a_wall_all_around_is_equally_far_on_every_bearing(camera: Camera, roll:
     assert (np.abs(found.distance_m[seen] - 4.0) < 2 * found.sd_m[seen]).all()
 
 
+@pytest.mark.parametrize("pitch", [-45, -60])
+def test_free_is_no_farther_than_the_camera_sees(pitch: float) -> None:
+    """A camera that looks down sees floor alone, in front of a wall at 12 m that is out of its view."""
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, pitch)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    wall = wall_map(directions, up, 1.5, 12.0)
+    assert not wall.any()
+    p = np.full(wall.shape, 0.1, np.float32)
+    top_m = 1.5 / math.tan(math.radians(-pitch) - math.atan(60 / 120))  # straight ahead, by hand
+    for found in (free_distances(wall, polar, 1.5), free_distances_from_p(p, polar, 1.5, floor_p=0.15)):
+        ahead = np.abs(found.bearing_rad) < math.radians(1.5)
+        assert (found.outcome[ahead] == Outcome.FREE).all()
+        np.testing.assert_allclose(found.distance_m[ahead], top_m, rtol=0.03)
+        assert (found.distance_m[found.outcome == Outcome.FREE] < 12.0).all()
+    assert np.isnan(free_distances(wall, polar, None).distance_m).all()
+
+
 def test_bearings_are_vertical_planes_and_grow_clockwise() -> None:
     # Hand-computed: camera rolled by 90 degrees (right side down): image "right" is the world's down.
     up = np.array([-1.0, 0.0, 0.0])
@@ -111,7 +128,7 @@ def test_free_and_unknown_are_kept_apart() -> None:
     outside = np.abs(found.bearing_rad) > math.radians(40)
     assert (found.outcome[outside] == Outcome.UNKNOWN).all()
     assert np.isnan(found.distance_m[outside]).all()
-    assert np.isnan(found.sd_m).all()
+    assert np.isnan(found.sd_m[inside | outside]).all()
 
 
 def test_a_camera_that_looks_up_knows_nothing() -> None:

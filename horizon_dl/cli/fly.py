@@ -4,9 +4,10 @@
   horizon-dl fly MODEL.onnx --source DATA --mavlink udpout:127.0.0.1:14550      replays in real time
 
 Attitude comes from the autopilot (ATTITUDE_QUATERNION or ATTITUDE), or as recorded from a data set; height
-from DISTANCE_SENSOR, GLOBAL_POSITION_INT or LOCAL_POSITION_NED, or --height. Without height nothing is
-measured in metres, and every sector with an obstacle is unknown. A fresh model file in the place of MODEL is
-taken over between two frames. Ctrl-C ends the flight and tells the autopilot so.
+from DISTANCE_SENSOR, GLOBAL_POSITION_INT or LOCAL_POSITION_NED, or --height. The autopilot has to send
+attitudes 10 times a second or more: between two that are over 0.2 s apart every sector is unknown. Without
+height nothing is measured in metres, and every sector with an obstacle is unknown. A fresh model file in the
+place of MODEL is taken over between two frames. Ctrl-C ends the flight and tells the autopilot so.
 """
 
 import argparse
@@ -85,9 +86,11 @@ def run(arguments: argparse.Namespace) -> None:
     import signal
     import time
 
+    from horizon_dl.errors import InputError
     from horizon_dl.onboard.fly import Fly
     from horizon_dl.onboard.followed import FollowedModel
     from horizon_dl.onboard.mavlink import open_link
+    from horizon_dl.onboard.predict import check_camera
     from horizon_dl.onboard.sighting import Sighting
     from horizon_dl.output import write_json
 
@@ -96,11 +99,16 @@ def run(arguments: argparse.Namespace) -> None:
     settings = _settings(arguments, calibration, recording)
     model = FollowedModel.load(arguments.model, arguments.threads)
     if recording is not None:
-        from horizon_dl.onboard.predict import check_camera
-
-        check_camera(model.current, recording)
+        check_camera(model.current, recording.camera, recording.name)
+    elif calibration is not None:
+        check_camera(model.current, calibration.camera, arguments.camera)
     frames = arguments.filter or (1 if settings.recorded_attitude else 3)
-    sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
+    try:
+        sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
+    except ValueError:
+        raise InputError(
+            "--camera", "looks straight up or down: it sees no bearing", "mend mount_rpy_deg in the file"
+        ) from None
     sighting.connected_only = arguments.connected_only
     link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
     flight = Fly(sighting, link, settings, time.monotonic)
@@ -160,6 +168,10 @@ def _settings(
     if arguments.filter is not None and arguments.filter % 2 == 0:
         raise InputError(
             f"--filter {arguments.filter}", "is even, a median needs an odd number", "take 1, 3 or 5"
+        )
+    if arguments.duration is not None and not 0 < arguments.duration < float("inf"):
+        raise InputError(
+            f"--duration {arguments.duration:g}", "is no time in seconds", "take 60, or leave it out"
         )
     if not arguments.speed > 0:
         raise InputError(f"--speed {arguments.speed:g}", "is not positive", "take 1 for real time")

@@ -87,6 +87,6 @@ def _readings(
 
 def _learner(run: Run | FileRun, recording: Recording) -> Method:
     if isinstance(run, FileRun):
-        check_camera(run.model, recording)
+        check_camera(run.model, recording.camera, recording.name)
         return FileMethod(run.model)
     return NetMethod(run.net)

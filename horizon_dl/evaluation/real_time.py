@@ -179,6 +179,7 @@ def run_in_real_time(run: OnlineRun, speed: float) -> dict[str, Any]:
         while not run.stopped and real_time.turn():
             pass
     finally:
+        run.stream.stop()
         arrivals.stop()
     real_time.finish()
     return {"speed": speed, **real_time.latencies.summary()}

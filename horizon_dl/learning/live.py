@@ -14,7 +14,7 @@ from horizon_dl.geometry.calibration import Calibration
 from horizon_dl.learning.stream import Arrival, Stream
 from horizon_dl.onboard.autopilot import Autopilot
 from horizon_dl.onboard.mavlink import Link
-from horizon_dl.onboard.pictures import capture
+from horizon_dl.onboard.pictures import Stoppable, capture
 
 AttitudeAt = Callable[[float], NDArray[np.float64] | None]
 
@@ -30,11 +30,13 @@ def live_stream(
         open_link: to the autopilot; open as long as frames are read.
         delay_s: from exposure to arrival of a picture.
     """
+    captures: list[Stoppable] = []
 
     def arrivals(start: int) -> Iterator[Arrival]:
         turns = calibration.rotate_quarter_turns_ccw
+        pictures = capture(source, time.monotonic, rotate_quarter_turns_ccw=turns, delay_s=delay_s)
+        captures.append(pictures)
         with _listening(open_link()) as attitude_at:
-            pictures = capture(source, time.monotonic, rotate_quarter_turns_ccw=turns, delay_s=delay_s)
             for index, picture in enumerate(pictures, start):
                 q = attitude_at(picture.time_s)
                 up_cam = None if q is None else up_in_camera(q, calibration.mount_rpy_rad)
@@ -42,7 +44,11 @@ def live_stream(
                 frame = Frame(name, picture.time_s, picture.image, calibration.camera, up_cam)
                 yield Arrival(index, name, picture.time_s, frame)
 
-    return Stream(source, "live", calibration.camera, None, arrivals, live=True)
+    def stop() -> None:
+        for pictures in captures:
+            pictures.stop()
+
+    return Stream(source, "live", calibration.camera, None, arrivals, live=True, stop=stop)
 
 
 @contextmanager

@@ -51,6 +51,7 @@ class Stream:
         count: number of frames, or None where that is not known.
         arrivals: frames from an index on, in order.
         live: frames come when they come, and do not wait.
+        stop: end `arrivals` soon, from any thread, even while no frame comes.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Stream:
     count: int | None
     arrivals: Callable[[int], Iterator[Arrival]]
     live: bool = False
+    stop: Callable[[], None] = lambda: None
 
 
 def recorded_stream(recording: Recording) -> Stream:

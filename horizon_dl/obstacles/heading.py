@@ -32,7 +32,8 @@ def free_heading(
     """The middle of the sector nearest to `wanted_rad` along which a disc of `radius_m` moves `needed_m`.
 
     A swath as wide as the vehicle must hold no obstacle. Sectors that are unknown, or have an obstacle but no
-    metres, are taken for blocked at `needed_m`.
+    metres, are taken for blocked at `needed_m`; a sector whose obstacle covers the nearest visible ground is
+    never chosen, as nobody knows how near it is.
 
     Args:
         found: sectors in order of their bearings.
@@ -55,7 +56,8 @@ def free_heading(
     if not 0 < radius_m < needed_m:
         raise ValueError(f"needs 0 < radius ({radius_m} m) < needed distance ({needed_m} m)")
     free_m = swath_m(found, radius_m, needed_m, sigmas)
-    fits = (free_m >= needed_m) & (found.outcome != Outcome.UNKNOWN)
+    covered = (found.outcome == Outcome.OBSTACLE) & ~found.contact_seen
+    fits = (free_m >= needed_m) & (found.outcome != Outcome.UNKNOWN) & ~covered
     if not fits.any():
         return None
     away = np.abs(np.remainder(found.bearing_rad - wanted_rad + math.pi, 2 * math.pi) - math.pi)

@@ -33,7 +33,7 @@ class Outcome(IntEnum):
     """What is known of a bearing."""
 
     UNKNOWN = 0  # outside the view, no ground visible, or no attitude
-    FREE = 1  # free from the nearest visible ground to the horizon
+    FREE = 1  # free from the nearest visible ground to the farthest
     OBSTACLE = 2
 
 
@@ -72,10 +72,11 @@ class FreeDistances:
     Attributes:
         bearing_rad: middle of the sector, clockwise from straight ahead.
         outcome: of `Outcome`.
-        distance_m: level distance from the camera to the obstacle's ground contact; inf where free; NaN where
-            unknown, and for obstacles without a height.
+        distance_m: level distance from the camera to the obstacle's ground contact; where free, that of the
+            farthest ground in view: inf up to the horizon, less where the camera looks down. NaN where
+            unknown, and without a height.
         sd_m: its standard deviation; NaN where there is no finite distance.
-        depression_rad: of the contact; 0 where free, NaN where unknown.
+        depression_rad: of the contact, or of the farthest ground in view where free; NaN where unknown.
         contact_seen: False where the obstacle covers the nearest visible ground: it is at most that far away.
         nearest_rad: depression of the nearest ground that the camera sees; 0 outside of its view.
     """
@@ -216,6 +217,9 @@ def _from_contacts(
     doubt = doubt + _doubtful_rows(cells, seen, contact, window)
     gap = _rows_to_ground(seen, contact)
     edge = np.where(contact < visible - 1, contact + (1 + gap) / 2, contact + 1)
+    # Where the camera looks down, what stands behind the farthest ground in view was not looked at.
+    farthest = _farthest_rows(seen)
+    edge = np.where(contact >= 0, edge, np.where(farthest > window + unseen, farthest, 0))
     found = _in_metres(polar, outcome, edge, doubt + gap / 2, height_m, rules)
     return replace(found, contact_seen=found.contact_seen & (contact < visible - 1))
 
@@ -227,6 +231,14 @@ def _rows(angle_rad: float, polar: PolarView) -> int:
 def _nearest_rows(seen: Mask) -> Rows:
     """(sectors,) one more than the last row that is seen, 0 for none."""
     return np.asarray(np.where(seen, np.arange(1, seen.shape[1] + 1), 0).max(axis=1))
+
+
+def _farthest_rows(seen: Mask) -> Rows:
+    """(sectors,) the first row that is seen, there or in a neighbour: coarse pixels leave cells empty."""
+    own = np.where(seen.any(axis=1), seen.argmax(axis=1), seen.shape[1])
+    left, right = np.roll(own, 1), np.roll(own, -1)
+    left[0], right[-1] = own[0], own[-1]
+    return np.asarray(np.minimum(own, np.minimum(left, right)))
 
 
 def _rows_to_ground(seen: Mask, contact: Rows) -> Rows:
@@ -253,19 +265,18 @@ def _in_metres(
     height_m: float | None,
     rules: RangingRules,
 ) -> FreeDistances:
-    met = outcome == Outcome.OBSTACLE
-    depression = np.where(met, edge_rows * polar.row_step_rad, np.nan)
+    depression = np.where(outcome != Outcome.UNKNOWN, edge_rows * polar.row_step_rad, np.nan)
+    to_horizon = depression == 0.0
     height = height_m if height_m is not None and height_m > 0 else math.nan
-    distance = height / np.tan(depression)
+    distance = height / np.tan(np.where(to_horizon, np.nan, depression))
     sd = distance_sd(distance, height, polar.row_step_rad * (0.5 + doubtful_rows), rules)
-    free = outcome == Outcome.FREE
     return FreeDistances(
         polar.bearings.centres_rad,
         outcome,
-        np.where(free, np.inf, distance).astype(np.float32),
+        np.where(to_horizon, np.inf, distance).astype(np.float32),
         sd.astype(np.float32),
-        np.where(free, 0.0, depression).astype(np.float32),
-        met,
+        depression.astype(np.float32),
+        outcome == Outcome.OBSTACLE,
         (_nearest_rows(polar.pixels > 0) * polar.row_step_rad).astype(np.float32),
     )
 

@@ -7,6 +7,9 @@ import numpy as np
 
 from horizon_dl.obstacles.ranging import FreeDistances, no_distances
 
+STALL_S = 0.3
+"""After a gap of more than this between two frames, those before it say nothing any more."""
+
 
 @dataclass(frozen=True)
 class _Past:
@@ -23,7 +26,7 @@ class SectorFilter:
 
     Args:
         frames: an odd number; 1 filters nothing.
-        max_age_s: frames older than this are forgotten.
+        max_age_s: frames older than this are forgotten, and all of them after a stall.
 
     Raises:
         ValueError: `frames` is even or not positive.
@@ -42,10 +45,6 @@ class SectorFilter:
             return 0.0
         return self._past[-1].time_s - self._past[-1 - len(self._past) // 2].time_s
 
-    def clear(self) -> None:
-        """Forget all frames, as after a stall."""
-        self._past.clear()
-
     def add(self, time_s: float, yaw_rad: float, found: FreeDistances) -> FreeDistances:
         """The sectors now, joined with those of the frames before.
 
@@ -57,6 +56,8 @@ class SectorFilter:
             yaw_rad: of the body, clockwise from north; only differences count.
             found: sectors of equal width, the same in every frame.
         """
+        if self._past and time_s - self._past[-1].time_s > STALL_S:
+            self._past.clear()
         while self._past and time_s - self._past[0].time_s > self._max_age_s:
             self._past.popleft()
         self._past.append(_Past(time_s, yaw_rad, found))

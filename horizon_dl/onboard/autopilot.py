@@ -18,6 +18,7 @@ ATTITUDE_WAIT_S = 0.05
 """A picture waits so long for the attitude that follows it."""
 
 DOWNWARD = 25  # MAV_SENSOR_ROTATION_PITCH_270
+INVALID_SIGNAL = 1  # of DISTANCE_SENSOR.signal_quality, in percent; 0 is "not known"
 HEIGHT_SOURCES = ("DISTANCE_SENSOR", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED")  # the best first
 
 
@@ -111,6 +112,7 @@ def height_of(kind: str, message: Any) -> float | None:
     """
     if kind == "DISTANCE_SENSOR":
         within = message.min_distance < message.current_distance < message.max_distance
-        return message.current_distance / 100 if message.orientation == DOWNWARD and within else None
+        valid = within and message.signal_quality != INVALID_SIGNAL
+        return message.current_distance / 100 if message.orientation == DOWNWARD and valid else None
     height_m = message.relative_alt / 1000 if kind == "GLOBAL_POSITION_INT" else -message.z
     return float(height_m) if math.isfinite(height_m) and height_m > 0 else None

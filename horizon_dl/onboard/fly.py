@@ -59,6 +59,7 @@ class Fly:
         periods: between messages.
         sent: messages that have left; `unsent` could not.
         unknown: messages that said "unknown" because of the watchdog.
+        without_attitude: pictures for whose time there was none; an autopilot has to send 10 a second.
     """
 
     def __init__(
@@ -67,7 +68,7 @@ class Fly:
         self.watchdog = Watchdog(clock)
         self.autopilot = Autopilot(clock, self.watchdog.attitude)
         self.latencies, self.periods = Latencies(), Latencies()
-        self.sent = self.unsent = self.unknown = self.looked_at = 0
+        self.sent = self.unsent = self.unknown = self.looked_at = self.without_attitude = 0
         self._sighting, self._link, self._settings, self._clock = sighting, link, settings, clock
         self._newest = _Sighted(-np.inf, None)
         self._reported_s = -np.inf
@@ -98,13 +99,14 @@ class Fly:
                     break
         finally:
             self._stop.set()
-            for thread in threads:
-                thread.join(2.0)
-            slot.stop()
+            listener, timer = threads
+            timer.join(2.0)  # so that no distance follows the last word
             self._link.send_distances(
                 self._clock(), distances_cm(None, self._settings.shape), self._settings.shape
             )
             self._link.send_text("Obstacles unknown: stopped", WARNING)
+            listener.join(2.0)
+            slot.stop()
         self.pictures_seen, self.pictures_skipped = slot.seen, slot.skipped
         error = self._error or slot.error
         if error is not None:
@@ -118,6 +120,7 @@ class Fly:
         """One picture to sectors; an error of the model is the watchdog's, not the loop's."""
         pose = self._pose(picture)
         if pose is None:
+            self.without_attitude += 1
             self._newest = _Sighted(picture.time_s, None)
             return
         up_cam, yaw_rad, height_m = pose
@@ -150,6 +153,7 @@ class Fly:
                 "seen": getattr(self, "pictures_seen", None),
                 "skipped": getattr(self, "pictures_skipped", None),
                 "looked_at": self.looked_at,
+                "without_attitude": self.without_attitude,
             },
             "filter_delay_s": self._sighting.filter.delay_s,
             "received": dict(self._link.counts),
@@ -194,14 +198,14 @@ class Fly:
             self._stop.wait(max(0.0, due_s - self._clock()))
 
     def _send(self, last_s: float) -> None:
-        newest = self._newest
+        newest, unknown = self._newest, self.unknown
         cm, now = self.message_cm(), self._clock()
         has_left = self._link.send_distances(newest.time_s if newest.found else now, cm, self._settings.shape)
         self.sent += has_left
         self.unsent += not has_left
         if np.isfinite(last_s):
             self.periods.add(now - last_s)
-        if newest.found is not None and newest.time_s > self._reported_s:
+        if newest.found is not None and newest.time_s > self._reported_s and self.unknown == unknown:
             self.latencies.add(self._clock() - newest.time_s)
             self._reported_s = newest.time_s
         line = self.watchdog.to_say()

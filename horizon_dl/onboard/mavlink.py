@@ -104,6 +104,9 @@ class Link:
 
     def _send(self, message: Any) -> bool:
         with self._sending:
+            ours, theirs = self._outgoing.signing, self._incoming.signing
+            # A receiver refuses stamps of more than a minute ago, by its own clock or that of its peers.
+            ours.timestamp = max(ours.timestamp, theirs.timestamp, _signing_stamp())
             content = bytes(message.pack(self._outgoing))
             self._outgoing.seq = (self._outgoing.seq + 1) % 256
             return self._transport.send(content)
@@ -142,8 +145,13 @@ class Link:
         if key is not None:
             codec.signing.secret_key = key
             codec.signing.sign_outgoing = sign
-            codec.signing.timestamp = int((time.time() - SIGNING_EPOCH_S) * 1e5)
+            codec.signing.timestamp = _signing_stamp()
         return codec
+
+
+def _signing_stamp() -> int:
+    """Now in MAVLink's signing time, steps of 10 us since 2015; 0 on a clock that was never set."""
+    return max(0, int((time.time() - SIGNING_EPOCH_S) * 1e5))
 
 
 def open_link(url: str, system: int = 1, signing_key: Path | None = None) -> Link:

@@ -56,7 +56,9 @@ def distances_cm(found: FreeDistances | None, shape: MessageShape) -> NDArray[np
     """(72,) elements: the nearest obstacle's distance, `clear_cm`, or 65535 for unknown.
 
     An element is clear only if all of it is known to be free (or farther away than `max_cm`). Obstacles
-    without metres are unknown, never an invented distance. None is unknown everywhere.
+    without metres are unknown, never an invented distance. One that covers the nearest visible ground is
+    nearer than can be measured: it is reported at `min_cm`, so that every receiver stops before it. None is
+    unknown everywhere.
     """
     elements = np.full(ELEMENTS, UNKNOWN_CM, np.uint16)
     if found is None or len(found.bearing_rad) < 2:
@@ -64,8 +66,10 @@ def distances_cm(found: FreeDistances | None, shape: MessageShape) -> NDArray[np
     element = _element_of(found.bearing_rad, shape)
     with np.errstate(invalid="ignore"):
         cm = np.clip(np.floor(found.distance_m * 100), shape.min_cm, UNKNOWN_CM)
+    covered = (found.outcome == Outcome.OBSTACLE) & ~found.contact_seen & np.isfinite(cm)
+    cm = np.where(covered, shape.min_cm, cm)
     met = (found.outcome == Outcome.OBSTACLE) & (cm <= shape.max_cm)
-    clear = (found.outcome == Outcome.FREE) | ((found.outcome == Outcome.OBSTACLE) & (cm > shape.max_cm))
+    clear = (found.outcome != Outcome.UNKNOWN) & (cm > shape.max_cm)
     step_deg = math.degrees(float(found.bearing_rad[1] - found.bearing_rad[0]))
     for index in np.unique(element[element >= 0]).tolist():
         mine = element == index

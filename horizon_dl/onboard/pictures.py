@@ -21,6 +21,8 @@ from horizon_dl.frames.loading import load_frame
 Clock = Callable[[], float]
 
 CAMERA_PREFIX = "camera:"
+REOPEN_S = 0.5
+"""A camera or stream that gave no picture is opened again after this time."""
 
 
 @dataclass(frozen=True)
@@ -58,23 +60,44 @@ def replay(
         speed: 2 plays twice as fast.
         loop: begin again at the end; the time of one frame passes between.
         wait: sleeps for some seconds.
+
+    Raises:
+        InputError: not one frame can be read.
     """
     times = [entry.time_s for entry in recording.entries]
     gap_s = float(np.median(np.diff(times))) if len(times) > 1 else 0.1
     start_s = clock()
+    any_read = False
     while True:
         for index, taken_s in enumerate(times):
             try:
                 frame = load_frame(recording, index)
             except FrameError:
                 continue
+            any_read = True
             due_s = start_s + (taken_s - times[0]) / speed
             wait(max(0.0, due_s - clock()))
             # The time at which it was taken, however late it was read: that time's attitude belongs to it.
             yield Picture(due_s, frame.image, frame.up_cam, frame.height_m, frame.floor_up_cam)
+        if not any_read:
+            raise InputError(recording.name, "has no frame that can be read", "check its images")
         if not loop:
             return
         start_s += (times[-1] - times[0] + gap_s) / speed
+
+
+class Stoppable(Iterator[Picture]):
+    """Pictures that end soon after `stop`, from any thread, even while none come."""
+
+    def __init__(self, pictures: Iterator[Picture], stopped: threading.Event) -> None:
+        self._pictures, self._stopped = pictures, stopped
+
+    def __next__(self) -> Picture:
+        return next(self._pictures)
+
+    def stop(self) -> None:
+        """No more are wanted."""
+        self._stopped.set()
 
 
 def capture(
@@ -84,8 +107,10 @@ def capture(
     rotate_quarter_turns_ccw: int = 0,
     delay_s: float = 0.0,
     wait: Callable[[float], object] = time.sleep,
-) -> Iterator[Picture]:
+) -> Stoppable:
     """Pictures of a camera (`camera:0`), a stream's address, or a video file at its own rate, by OpenCV.
+
+    A file ends. A camera or stream that fails is opened again and again until it gives pictures.
 
     Args:
         source: see above.
@@ -95,30 +120,55 @@ def capture(
         wait: sleeps for some seconds.
 
     Raises:
-        InputError: OpenCV cannot open it.
+        InputError: OpenCV cannot open it, when the first picture is asked for.
     """
     import cv2
 
-    live = source.startswith(CAMERA_PREFIX)
-    device: Any = source.removeprefix(CAMERA_PREFIX) if live else source
-    opened = cv2.VideoCapture(int(device) if live and device.isdigit() else device)
-    if not opened.isOpened():
-        raise InputError(
-            f"--source {source}", "cannot be opened", "give camera:0, a video file or a data set"
-        )
-    period_s = 0.0 if live or not Path(source).is_file() else 1.0 / (opened.get(cv2.CAP_PROP_FPS) or 30.0)
-    due_s = clock()
-    try:
-        while True:
-            good, image = opened.read()
-            if not good:
-                return
+    stopped = threading.Event()
+
+    def pictures() -> Iterator[Picture]:
+        due_s = clock()
+        for period_s, image in _images(source, stopped):
             wait(max(0.0, due_s - clock()))
             due_s += period_s
             rgb = np.rot90(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), rotate_quarter_turns_ccw)
             yield Picture(clock() - delay_s, np.ascontiguousarray(rgb))
+
+    return Stoppable(pictures(), stopped)
+
+
+def _images(source: str, stopped: threading.Event) -> Iterator[tuple[float, Any]]:
+    """Images of OpenCV, BGR, and the time that each one lasts, s; 0 for a camera, whose images are due."""
+    import cv2
+
+    is_film = Path(source).is_file()
+    opened = _open(source)
+    if not opened.isOpened():
+        raise InputError(
+            f"--source {source}", "cannot be opened", "give camera:0, a video file or a data set"
+        )
+    period_s = 1.0 / (opened.get(cv2.CAP_PROP_FPS) or 30.0) if is_film else 0.0
+    try:
+        while not stopped.is_set():
+            good, image = opened.read()
+            if good:
+                yield period_s, image
+            elif is_film:
+                return
+            else:
+                opened.release()  # a device is opened only once at a time
+                stopped.wait(REOPEN_S)
+                opened = _open(source)
     finally:
         opened.release()
+
+
+def _open(source: str) -> Any:
+    """OpenCV's object for a source; it says by itself whether it is open."""
+    import cv2
+
+    device = source.removeprefix(CAMERA_PREFIX)
+    return cv2.VideoCapture(int(device) if device != source and device.isdigit() else device)
 
 
 class LatestPicture:
@@ -156,6 +206,8 @@ class LatestPicture:
     def stop(self) -> None:
         """Read no more."""
         self._stopped = True
+        if isinstance(self._pictures, Stoppable):
+            self._pictures.stop()
         self._thread.join(1.0)
 
     def _fill(self) -> None:

@@ -70,22 +70,22 @@ def predict_source(model: ObstacleModel, source: Source) -> Iterator[FileOutputs
         InputError: the data set was taken with another camera than the model was exported for.
     """
     if isinstance(source, Recording):
-        check_camera(model, source)
+        check_camera(model, source.camera, source.name)
         rays = model_rays(model)
         yield from (_of_entry(model, rays, source, index) for index in range(len(source.entries)))
     else:
         yield from (_of_picture(model, path) for path in source)
 
 
-def check_camera(model: ObstacleModel, recording: Recording) -> None:
-    """InputError unless the recording's camera is the model's; the rays are inside the file."""
-    if same_camera(model.camera, recording.camera):
+def check_camera(model: ObstacleModel, camera: Camera, where: str | Path) -> None:
+    """InputError unless the camera, of a recording or a file, is the model's, whose rays are in it."""
+    if same_camera(model.camera, camera):
         return
-    ours, theirs = _size(model.camera), _size(recording.camera)
+    ours, theirs = _size(model.camera), _size(camera)
     sizes = f" ({theirs} pixels; the model takes {ours})" if ours != theirs else ""
     raise InputError(
-        recording.name,
-        f"was taken with another camera than the model was exported for{sizes}",
+        where,
+        f"is of another camera than the model was exported for{sizes}",
         "export for this camera with `horizon-dl export RUN --camera DATA`",
     )
 

@@ -7,6 +7,7 @@ answers to the one peer whose messages were found good; `serial:DEVICE[:BAUD]` n
 import select
 import socket
 import time
+from contextlib import suppress
 from typing import Any, Protocol
 
 from horizon_dl.errors import InputError
@@ -14,6 +15,8 @@ from horizon_dl.errors import InputError
 LARGEST_DATAGRAM = 65536
 PEER_SILENT_S = 5.0
 DEFAULT_BAUD = 921600
+REOPEN_S = 0.5
+"""A serial line that was lost is opened again after this time."""
 FORMS = "write udpout:HOST:PORT, udpin:HOST:PORT or serial:DEVICE:BAUD"
 
 Peer = tuple[str, int] | None
@@ -123,23 +126,29 @@ class UdpIn:
 
 
 class Serial:
-    """A serial line, through pyserial."""
+    """A serial line, through pyserial; one that is lost is opened again when it is back.
+
+    Only `receive` opens, so the line needs no lock between the thread that reads and those that send.
+    """
 
     whole_messages = False
 
     def __init__(self, device: str, baud: int) -> None:
-        import serial
-
-        self._line: Any = serial.Serial(device, baud, timeout=0.05, write_timeout=0.2)
-        self._error: type[Exception] = serial.SerialException
+        self._device, self._baud = device, baud
+        self._closed = False
+        self._tried_s = 0.0
+        self._line: Any = self._open()
 
     def receive(self, timeout_s: float) -> tuple[bytes, Peer]:
         """See `Transport`."""
         try:
+            if self._line is None:
+                self._reopen()
             self._line.timeout = timeout_s
             first = self._line.read(1)
             return bytes(first + self._line.read(self._line.in_waiting)), None
-        except (self._error, OSError, TypeError):
+        except Exception:  # of a line that is gone pyserial lets OSError, TypeError, termios.error through
+            self._lose()
             time.sleep(min(timeout_s, 0.05))
             return b"", None
 
@@ -151,12 +160,33 @@ class Serial:
         """See `Transport`."""
         try:
             return bool(self._line.write(content) == len(content))
-        except (self._error, OSError):
+        except Exception:  # as above; the line may also be closed, or None
             return False
 
     def close(self) -> None:
         """See `Transport`."""
-        self._line.close()
+        self._closed = True
+        self._lose()
+
+    def _open(self) -> Any:
+        import serial
+
+        return serial.Serial(self._device, self._baud, timeout=0.05, write_timeout=0.2)
+
+    def _reopen(self) -> None:
+        """Raises whatever keeps the line from being open."""
+        now = time.monotonic()
+        if self._closed or now - self._tried_s < REOPEN_S:
+            raise OSError("not open")
+        self._tried_s = now
+        self._line = self._open()
+
+    def _lose(self) -> None:
+        line, self._line = self._line, None
+        if line is not None:
+            self._tried_s = time.monotonic()
+            with suppress(OSError):
+                line.close()
 
 
 def open_transport(url: str) -> Transport:
