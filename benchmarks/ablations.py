@@ -36,4 +36,4 @@ def ablation_markdown(found: Mapping[str, Any], methods: Mapping[str, Any] | Non
     if methods:
         rows.insert(0, ["default", *(cell(methods[one]["cnn"]["scores"]["entropy"]) for one in sets)])
     table = format_markdown(["ablation, entropy", *sets], rows)
-    return f"## Ablations\n\nTwo seeds; the default three.\n\n{table}"
+    return f"## Ablations\n\nTwo seeds at most; the default three.\n\n{table}"
