@@ -29,7 +29,7 @@ from horizon_dl.onboard.autopilot import Autopilot, height_of
 from horizon_dl.onboard.fly import Fly, FlySettings
 from horizon_dl.onboard.latency import Latencies
 from horizon_dl.onboard.mavlink import Link, read_signing_key
-from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM, MessageShape, distances_cm
+from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM
 from horizon_dl.onboard.pictures import LatestPicture, Picture
 from horizon_dl.onboard.sighting import Sighting, forward_in_camera, model_rays
 from horizon_dl.onboard.transport import UdpIn, UdpOut, open_transport
@@ -530,50 +530,3 @@ def test_latencies_against_sorting() -> None:
             1e3 * np.percentile(values, percentile), abs=1.1
         )
     assert Latencies().percentile_ms(50) is None
-
-
-def test_mavsdk_as_the_autopilot_sends_attitude_and_reads_the_distances() -> None:
-    """A C++ stack in process: every value that leaves is compared with what it received."""
-    import json
-
-    import mavsdk
-    from mavsdk.plugins.mavlink_direct import MavlinkDirect, MavlinkMessage
-
-    transport = UdpIn("127.0.0.1", 0)
-    stack = mavsdk.Mavsdk(mavsdk.Configuration.create_manual(1, 1, True))
-    port = transport.address[1]
-    assert stack.add_any_connection(f"udpout://127.0.0.1:{port}") == mavsdk.ConnectionResult.SUCCESS
-    link = Link(transport)
-    wait_for(lambda: bool(link.receive(0.05)), 5.0)  # its heartbeat
-    link.send_heartbeat()
-    wait_for(lambda: bool(stack.get_systems()), 5.0)
-    direct = MavlinkDirect(stack.get_systems()[0])
-    received: list[dict[str, Any]] = []
-    direct.subscribe_message(
-        "OBSTACLE_DISTANCE", lambda message, _: received.append(json.loads(message.fields_json))
-    )
-    q = quaternion_from_rpy(0.1, -0.2, 0.3)
-    fields = {"time_boot_ms": 1234, "rollspeed": 0.0, "pitchspeed": 0.0, "yawspeed": 0.0}
-    fields |= {f"q{index + 1}": float(value) for index, value in enumerate(q)}
-    direct.send_message(MavlinkMessage("ATTITUDE_QUATERNION", 1, 1, 0, 0, json.dumps(fields)))
-    autopilot = Autopilot()
-
-    def attitude_came() -> bool:
-        for message in link.receive(0.05):
-            autopilot.take(message, time.monotonic())
-        return autopilot.buffer.newest_s > -math.inf
-
-    wait_for(attitude_came, 5.0)
-    np.testing.assert_allclose(autopilot.buffer.at(autopilot.buffer.newest_s), q, atol=1e-6)
-    shape = MessageShape()
-    cm = distances_cm(None, shape)
-    cm[:10] = np.arange(20, 1020, 100)
-    cm[71] = shape.clear_cm
-    assert link.send_distances(12.5, cm, shape)
-    wait_for(lambda: bool(received), 5.0)
-    got = received[0]
-    assert got["distances"] == cm.tolist()
-    assert (got["increment_f"], got["angle_offset"], got["frame"]) == (5.0, 0.0, 12)
-    assert (got["min_distance"], got["max_distance"], got["time_usec"]) == (20, 1001 - 1, 12_500_000)
-    stack.destroy()
-    link.close()

@@ -101,6 +101,8 @@ def test_the_mount_comes_from_the_data_set(flight: Path) -> None:
         (["--max-distance", "inf"], "make no interval"),
         (["--height", "-1"], "--height -1"),
         (["--height", "nan"], "--height nan"),
+        (["--duration", "nan"], "--duration nan"),
+        (["--duration", "0"], "--duration 0"),
         (["--camera", "none.yaml"], "none.yaml: is missing"),
     ],
 )
@@ -123,6 +125,21 @@ def test_another_camera_than_the_models_is_one_line(flight: Path, monkeypatch: p
     monkeypatch.setattr(ObstacleModel, "load", lambda path, threads: FlatModel(other))
     with pytest.raises(InputError, match="another camera"):
         fly.run(parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:9"))
+
+
+def test_a_camera_file_of_another_camera_or_that_looks_straight_down_is_one_line(
+    flight: Path, model: None, tmp_path: Path
+) -> None:
+    right = (flight / "camera.yaml").read_text()
+    url = ("--mavlink", "udpout:127.0.0.1:9")
+    for wrong, problem in (
+        (right.replace("fx: 30.0", "fx: 90.0"), "camera.yaml: is of another camera"),
+        (right.replace("[0.0, -25.0, 0.0]", "[0.0, -90.0, 0.0]"), "straight up or down"),
+    ):
+        assert wrong != right
+        (tmp_path / "camera.yaml").write_text(wrong)
+        with pytest.raises(InputError, match=problem):
+            fly.run(parsed("m", "--source", "camera:0", "--camera", str(tmp_path / "camera.yaml"), *url))
 
 
 def test_a_video_that_is_not_there_is_one_line(flight: Path, model: None, tmp_path: Path) -> None:

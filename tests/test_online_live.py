@@ -220,17 +220,20 @@ def test_a_camera_is_learned_from_with_the_autopilots_attitude(film, tmp_path, c
     lines = frame_lines(out)
     assert [line["index"] for line in lines] == list(range(14))
     # A frame may come before the first attitude, or before there is time to learn from it; the clock goes on.
-    assert sum(line["learned"] for line in lines) >= 2
+    assert sum(line["learned"] for line in lines) >= 4
     times = [line["time_s"] for line in lines[:9]]
     assert np.all(np.diff(times) > 0)
     assert times[-1] - times[0] > 0.6  # 0.8 s of film
+    # After a stall of the machine some frames come close together; most keep the film's pace.
+    steps = np.diff([frame.time_s for frame in frames if frame])
+    assert np.median(steps) == pytest.approx(0.1, abs=0.02)
     info = json.loads((out / "run.json").read_text())
     assert info["format"] == "live"
     assert info["real_time"]["count"] == 5
     wanted = up_in_camera(pitched, calibration.mount_rpy_rad)
     known = [frame.up_cam for frame in frames if frame and frame.up_cam is not None]
     assert len(frames) == 16
-    assert len(known) >= 8  # a busy machine may let an attitude come too late
+    assert len(known) >= 12
     np.testing.assert_allclose(known, np.tile(wanted, (len(known), 1)), atol=1e-6)
     assert "going on at frame 9" in capsys.readouterr().err
 

@@ -86,7 +86,6 @@ def run(arguments: argparse.Namespace) -> None:
     import signal
     import time
 
-    from horizon_dl.errors import InputError
     from horizon_dl.onboard.fly import Fly
     from horizon_dl.onboard.followed import FollowedModel
     from horizon_dl.onboard.mavlink import open_link
@@ -103,12 +102,7 @@ def run(arguments: argparse.Namespace) -> None:
     elif calibration is not None:
         check_camera(model.current, calibration.camera, arguments.camera)
     frames = arguments.filter or (1 if settings.recorded_attitude else 3)
-    try:
-        sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
-    except ValueError:
-        raise InputError(
-            "--camera", "looks straight up or down: it sees no bearing", "mend mount_rpy_deg in the file"
-        ) from None
+    sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
     sighting.connected_only = arguments.connected_only
     link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
     flight = Fly(sighting, link, settings, time.monotonic)
@@ -150,8 +144,10 @@ def _settings(
     arguments: argparse.Namespace, calibration: "Calibration | None", recording: "Recording | None"
 ) -> "FlySettings":
     from horizon_dl.errors import InputError
+    from horizon_dl.obstacles.polar import LEVEL_UP, level_axes
     from horizon_dl.onboard.fly import FlySettings
     from horizon_dl.onboard.obstacle_distance import MessageShape
+    from horizon_dl.onboard.sighting import forward_in_camera
 
     check_autopilot(arguments)
     attitude = arguments.attitude or ("autopilot" if recording is None else "recorded")
@@ -185,10 +181,19 @@ def _settings(
         ) from None
     if arguments.height is not None and not 0 < arguments.height < 1000:
         raise InputError(f"--height {arguments.height:g}", "is no height in metres", "take 0 to 1000")
+    mount = (0.0, 0.0, 0.0) if calibration is None else calibration.mount_rpy_rad
+    try:
+        level_axes(LEVEL_UP, forward_in_camera(mount))
+    except ValueError:
+        raise InputError(
+            "mount_rpy_deg",
+            "has the camera look straight up or down: no bearing is ahead",
+            "mend camera.yaml",
+        ) from None
     return FlySettings(
         rate_hz=arguments.rate,
         shape=shape,
-        mount_rpy_rad=(0.0, 0.0, 0.0) if calibration is None else calibration.mount_rpy_rad,
+        mount_rpy_rad=mount,
         recorded_attitude=attitude == "recorded",
         height_m=arguments.height,
     )
