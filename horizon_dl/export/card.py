@@ -10,7 +10,7 @@ from horizon_dl.config import Config
 from horizon_dl.frames.frame import Recording
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.view import working_size
-from horizon_dl.learning.run import Run
+from horizon_dl.learning.run import Run, weights
 from horizon_dl.models.build import parameter_count
 from horizon_dl.models.features import FEATURE_NAMES
 from horizon_dl.models.forest import HorizonForest
@@ -146,7 +146,7 @@ def camera_is_trained(info: dict[str, Any], camera: Camera) -> bool:
 
 def weights_hash(run: Run) -> str:
     """SHA-256 of the weights as a safetensors file: that of the run folder's own."""
-    return hashlib.sha256(save({k: v.contiguous() for k, v in run.net.state_dict().items()})).hexdigest()
+    return hashlib.sha256(save(weights(run.net))).hexdigest()
 
 
 def forest_hash(forest: HorizonForest) -> str:

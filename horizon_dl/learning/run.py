@@ -7,6 +7,7 @@ from typing import Any
 
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
+from torch import Tensor
 
 from horizon_dl.config import Config, load_config, save_config
 from horizon_dl.errors import InputError
@@ -38,9 +39,14 @@ class Run:
         return float(self.info["threshold"])
 
 
+def weights(net: HorizonFCN) -> dict[str, Tensor]:
+    """All weights and batch statistics by name, in the order of memory that a file needs."""
+    return {name: tensor.contiguous() for name, tensor in net.state_dict().items()}
+
+
 def save_run(folder: Path, run: Run) -> None:
     """Write weights, config and info (with versions and machine) into an existing folder."""
-    save_file(run.net.state_dict(), folder / WEIGHTS)
+    save_file(weights(run.net), folder / WEIGHTS)
     save_config(run.config, folder / CONFIG)
     write_json(folder / INFO, {**run.info, "versions": versions(), "machine": machine()})
 

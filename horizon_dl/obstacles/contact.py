@@ -32,8 +32,8 @@ class RiseRules:
         knee_factor: the knee is at most this many times farther away than the first rise.
     """
 
-    floor_percentile: float = 25.0
-    rise: float = 0.1
+    floor_percentile: float = 9.0
+    rise: float = 0.7
     noise: float = 1.5
     alarm_rad: float = math.radians(1.0)
     prior_rad: float = math.radians(3.0)

@@ -221,7 +221,8 @@ def _from_contacts(
     farthest = _farthest_rows(seen)
     edge = np.where(contact >= 0, edge, np.where(farthest > window + unseen, farthest, 0))
     found = _in_metres(polar, outcome, edge, doubt + gap / 2, height_m, rules)
-    return replace(found, contact_seen=found.contact_seen & (contact < visible - 1))
+    # A strip lower than half a window may be noise at the picture's rim.
+    return replace(found, contact_seen=found.contact_seen & (contact < visible - 1 - window // 2))
 
 
 def _rows(angle_rad: float, polar: PolarView) -> int:
