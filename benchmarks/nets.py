@@ -19,6 +19,7 @@ from horizon_dl.evaluation.tally import Tally
 from horizon_dl.frames.formats import open_recording
 from horizon_dl.frames.frame import Recording
 from horizon_dl.geometry.view import View
+from horizon_dl.learning.run import weights
 from horizon_dl.learning.store import FrameStore
 from horizon_dl.learning.train import train_net
 from horizon_dl.models.build import build_net
@@ -103,6 +104,6 @@ def trained_net(
     with patch("horizon_dl.learning.train.build_net", build):
         net = train_net(store, split_recording(store.recording, "labelled-out").train, seed=seed)
     beside = path.with_suffix(f".{os.getpid()}.part")
-    save_file(net.state_dict(), beside)
+    save_file(weights(net), beside)
     beside.replace(path)
     return net
