@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from ablations import ABLATIONS, ablation_figures, ablation_markdown
 from dropout_table import dropout_figures, dropout_markdown
-from methods import methods_figures, methods_markdown, second_truth_markdown
+from methods import methods_figures, methods_markdown, ranging_markdown, second_truth_markdown
 from nets import set_names
 from novelty import novelty_figures, novelty_markdown
 from shade import shade_figures, shade_markdown
@@ -57,6 +57,11 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as nets:
         jobs = list(jobs_of(parts, arguments.sets, range(arguments.seeds), Path(nets)))
         found = results(jobs, arguments.processes)
+    if "methods" in found:  # each of its jobs gives two blocks
+        by_set = found["methods"]
+        found |= {
+            block: {name: one[block] for name, one in by_set.items()} for block in ("methods", "ranging")
+        }
     found |= {"seeds": list(range(arguments.seeds)), "versions": versions(), "machine": machine()}
     found["seconds"] = round(time.perf_counter() - start)
     with output_folder(arguments.out) as out:
@@ -120,6 +125,7 @@ def as_markdown(found: dict[str, Any]) -> str:
     blocks = []
     if "methods" in found:
         blocks += [methods_markdown(found["methods"]), second_truth_markdown(found["methods"])]
+        blocks.append(ranging_markdown(found["ranging"]))
     if "ablations" in found:
         blocks.append(ablation_markdown(found["ablations"], found.get("methods")))
     for part, markdown in (

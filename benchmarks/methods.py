@@ -16,12 +16,13 @@ OTHERS = {
     "low": "only obstacles lower than the camera",
 }
 
+RANGING = ("median_relative_error", "missed", "false_stop", "unknown", "within_2sd")
+
 
 def methods_figures(name: str, seeds: Sequence[int]) -> dict[str, Any]:
-    """The blocks of `metrics.json`, protocol labelled-out."""
+    """The blocks `methods` and `ranging` of `metrics.json`, protocol labelled-out."""
     metrics = compare(open_set(name), load_config(), "labelled-out", list(seeds)).metrics
-    methods: dict[str, Any] = metrics["methods"]
-    return methods
+    return {block: metrics[block] for block in ("methods", "ranging")}
 
 
 def methods_markdown(found: Mapping[str, Any]) -> str:
@@ -46,6 +47,18 @@ def second_truth_markdown(found: Mapping[str, Any]) -> str:
             ]
             tables.append(f"**{title}**\n\n{format_markdown(['method, score', *sets], rows)}")
     return "## Other truths\n\n" + "\n\n".join(tables)
+
+
+def ranging_markdown(found: Mapping[str, Any]) -> str:
+    """Free distances by the first seed's net, and by the truth's own floor, where there are measured ones."""
+    columns = ["set, floor", *RANGING, "bearings"]
+    rows = [
+        [f"{name}, {floor}", *(f"{figures[key]:.3f}" for key in RANGING), str(figures["columns"])]
+        for name, block in found.items()
+        for floor, figures in (("the net's", block), ("the truth's", block["true_floor"]))
+        if figures["columns"]
+    ]
+    return f"## Ranging\n\n{format_markdown(columns, rows)}"
 
 
 def _headlines(blocks: Mapping[str, Any]) -> list[tuple[str, str]]:
