@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.obstacles.contact import RiseRules, connected_to_horizon, first_contact, first_rise, knees
+from horizon_dl.obstacles.contact import RiseRules, connected_to_horizon, first_contact, first_rise
 from horizon_dl.obstacles.polar import Bearings, directions_to_polar, level_axes, polar_view
 from horizon_dl.obstacles.ranging import (
     Outcome,
@@ -297,12 +297,12 @@ def test_the_rise_test_against_a_plain_loop() -> None:
     rules = RiseRules()
     logit = (rng.normal(-2, 0.3, (20, 60)) + 1.2 * (np.arange(60) < 25)).astype(np.float32)
     step = math.radians(0.25)
-    contact, _, _ = first_rise(logit, np.ones((20, 60), bool), -2.0, 0.5, step, rules)
+    contact, _, _ = first_rise(logit, np.ones((20, 60), bool), -2.0, step, rules)
     for column in range(20):
         weight, weighted, total, start, expected = rules.prior_rad, -2.0 * rules.prior_rad, 0.0, -1, -1
         for row in range(59, -1, -1):
-            floor = min(max(weighted / weight, -2.0 - 3 * rules.swing), -2.0 + rules.swing)
-            up = min(max(float(logit[column, row]) - floor - 0.5, -1.5), 1.5)
+            floor = weighted / weight
+            up = min(max(float(logit[column, row]) - floor - rules.rise, -1.5), 1.5)
             total = max(0.0, total + up * step)
             if total == 0:
                 start, weighted, weight = -1, weighted + float(logit[column, row]) * step, weight + step
@@ -319,35 +319,3 @@ def test_the_rise_test_against_a_plain_loop() -> None:
 def test_entropy_is_undone(p: float) -> None:
     entropy = -p * math.log2(p) - (1 - p) * math.log2(1 - p)
     assert p_of_entropy(entropy) == pytest.approx(p, abs=1e-3)
-
-
-def test_the_knee_against_least_squares_of_every_broken_line() -> None:
-    rng, step = np.random.default_rng(4), math.radians(0.25)
-    row = np.arange(80)
-    true = rng.integers(30, 40, 25)
-    logit = 0.1 * np.maximum(0, true[:, None] - row) - 2 + rng.normal(0, 0.15, (25, 80))
-    start, alarm = np.minimum(true + 6, 70), true - 12
-    seen = rng.random((25, 80)) < 0.9
-    rules = RiseRules(knee_factor=9.0)
-    found = knees(logit.astype(np.float32), seen, start, alarm, step, rules)
-    for index in range(25):
-        inside = seen[index] & (row >= alarm[index] - 4) & (row <= start[index] + 4)
-        errors = {}
-        for knee in np.flatnonzero(inside & (row > alarm[index] - 4) & (row <= start[index])).tolist():
-            lines = np.stack([np.ones(80), np.maximum(0, knee + 0.5 - row)], axis=-1)[inside]
-            coefficients, (error,), *_ = np.linalg.lstsq(lines, logit[index, inside], rcond=None)
-            if coefficients[1] > 0:
-                errors[knee] = error
-        assert found[index] == min(errors, key=lambda knee: errors[knee])
-    assert np.abs(found - true).mean() < 2
-
-
-def test_the_knee_stays_near_and_nothing_stays_nothing() -> None:
-    step = math.radians(0.25)
-    ramp = np.maximum(0.0, 20.0 - np.arange(100))[None].repeat(2, 0).astype(np.float32)
-    seen = np.ones((2, 100), bool)
-    start, alarm = np.array([60, -1]), np.array([15, -1])
-    found = knees(ramp, seen, start, alarm, step, RiseRules())
-    farther = math.tan(61 * step) / math.tan((found[0] + 1) * step)
-    assert 1.2 < farther <= 1.25
-    assert found[1] == -1

@@ -22,24 +22,16 @@ class RiseRules:
 
     Attributes:
         floor_percentile: of the frame's cells below the horizon: the frame's own floor level.
-        rise: a cell this much over its bearing's floor level speaks for an obstacle,
-        noise: plus this often the standard deviation of the noise between neighbouring cells.
+        rise: a cell this much over its bearing's floor level speaks for an obstacle.
         alarm_rad: sum of rise over depression at which the obstacle is certain, logit x rad; lower specks
             are no obstacle.
         prior_rad: the frame's floor level counts as much as this much ground of the bearing itself.
-        swing: a bearing's floor may lie this much over the frame's floor level, and 3 times below it.
-        knee_rad: the knee is looked for from this much above the alarm to this much below the first rise.
-        knee_factor: the knee is at most this many times farther away than the first rise.
     """
 
     floor_percentile: float = 9.0
     rise: float = 0.7
-    noise: float = 1.5
     alarm_rad: float = math.radians(1.0)
     prior_rad: float = math.radians(3.0)
-    swing: float = 0.5
-    knee_rad: float = math.radians(1.0)
-    knee_factor: float = 1.25
 
 
 def first_contact(obstacle: Mask, seen: Mask, window: int, share: float, unseen_rows: int = 0) -> Rows:
@@ -74,21 +66,10 @@ def floor_level(logit: Floats, seen: Mask, usual: float | None, rules: RiseRules
     return level if math.isfinite(level) else 0.0
 
 
-def needed_rise(logit: Floats, seen: Mask, rules: RiseRules) -> float:
-    """The rise over the floor that speaks for an obstacle in this frame, logit.
-
-    The noise is taken from the median absolute difference of neighbouring rows: edges do not move it.
-    """
-    steps = np.abs(np.diff(logit, axis=1))[seen[:, 1:] & seen[:, :-1]]
-    sd = float(np.median(steps)) / (0.6745 * math.sqrt(2)) if steps.size else 0.0
-    return rules.rise + rules.noise * sd
-
-
 def first_rise(
     logit: Floats,
     seen: Mask,
     level: float,
-    rise: float,
     row_step_rad: float,
     rules: RiseRules,
     unseen_rows: int = 0,
@@ -104,9 +85,8 @@ def first_rise(
         logit: of `p_above`.
         seen: cells that say anything.
         level: the frame's floor level, logit.
-        rise: see `needed_rise`.
         row_step_rad: height of a row.
-        rules: alarm and floor.
+        rules: rise, alarm and floor.
         unseen_rows: rows at the horizon that do not count.
     """
     sectors, rows = logit.shape
@@ -117,10 +97,8 @@ def first_rise(
     for row in range(rows - 1, unseen_rows - 1, -1):
         use = seen[:, row] & (contact < 0)
         value = logit[:, row]
-        floor = np.where(
-            contact < 0, np.clip(weighted / weight, level - 3 * rules.swing, level + rules.swing), floor
-        )
-        step = np.clip(value - floor - rise, -LARGEST_LOGIT_STEP, LARGEST_LOGIT_STEP)
+        floor = np.where(contact < 0, weighted / weight, floor)
+        step = np.clip(value - floor - rules.rise, -LARGEST_LOGIT_STEP, LARGEST_LOGIT_STEP)
         total = np.where(use, np.maximum(0.0, total + step * row_step_rad), total)
         calm = use & (total == 0)
         start = np.where(calm, -1, np.where(use & (start < 0), row, start))
@@ -129,35 +107,6 @@ def first_rise(
         found = use & (total > rules.alarm_rad)
         contact, alarm = np.where(found, start, contact), np.where(found, row, alarm)
     return contact, alarm, floor.astype(np.float32)
-
-
-def knees(logit: Floats, seen: Mask, start: Rows, alarm: Rows, row_step_rad: float, rules: RiseRules) -> Rows:
-    """The row of each sector where the rise really begins, at or above its `start`; -1 stays -1.
-
-    The sum of `first_rise` leaves zero with the first noise in front of an obstacle. The contact is the knee
-    of the broken line, level and then rising, that fits best (Hinkley, JASA 1971).
-
-    Args:
-        logit: of `p_above`.
-        seen: cells that say anything.
-        start: first rows of `first_rise`.
-        alarm: its rows of certainty.
-        row_step_rad: height of a row.
-        rules: where the knee may lie.
-    """
-    rows, margin = np.arange(logit.shape[1]), round(rules.knee_rad / row_step_rad)
-    last, first = (start + margin)[:, None], (alarm - margin)[:, None]
-    window = (seen & (rows >= first) & (rows <= last)).astype(np.float64)
-    rise = np.maximum(0.0, rows[:, None] + 0.5 - rows)  # of a line with its knee at each row
-    count = np.maximum(window.sum(axis=1, keepdims=True), 1.0)
-    value = window * (logit - (window * logit).sum(axis=1, keepdims=True) / count)
-    spread = window @ np.square(rise).T - np.square(window @ rise.T) / count
-    slope = value @ rise.T
-    farthest = np.arctan(np.tan((start + 1) * row_step_rad) / rules.knee_factor) / row_step_rad - 1
-    allowed = (window > 0) & (rows > first) & (rows < last) & (rows <= start[:, None]) & (slope > 0)
-    gain = np.where(allowed & (spread > 1e-9), np.square(slope) / np.maximum(spread, 1e-9), 0.0)
-    best = np.maximum(gain.argmax(axis=1), np.ceil(farthest).astype(np.int64))
-    return np.where((start >= 0) & (gain.max(axis=1) > 0), np.minimum(best, start), start)
 
 
 def connected_to_horizon(obstacle: Mask, seen: Mask, horizon_rows: int) -> Mask:

@@ -18,8 +18,6 @@ from horizon_dl.obstacles.contact import (
     first_contact,
     first_rise,
     floor_level,
-    knees,
-    needed_rise,
 )
 from horizon_dl.obstacles.polar import PolarView
 
@@ -152,19 +150,15 @@ def free_distances_from_p(
     mean, seen = polar.means(p_above)
     logit = _logit(mean)
     _, unseen = _window_and_unseen(polar, rules)
-    rise = needed_rise(logit, seen, rules.rise)
     level = floor_level(logit[:, unseen:], seen[:, unseen:], _usual(floor_p), rules.rise)
-    contact, alarm, floor = first_rise(logit, seen, level, rise, polar.row_step_rad, rules.rise, unseen)
-    cells = seen & (logit > floor[:, None] + rise)
+    contact, alarm, floor = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
+    cells = seen & (logit > floor[:, None] + rules.rise.rise)
     if connected_only:
         cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
         logit = np.where(cells, logit, np.minimum(logit, floor[:, None]))
-        contact, alarm, _ = first_rise(logit, seen, level, rise, polar.row_step_rad, rules.rise, unseen)
-    knee = knees(logit, seen, contact, alarm, polar.row_step_rad, rules.rise)
-    # Without ground in front of it a rise has no knee.
-    knee = np.where(contact < _nearest_rows(seen) - 1, knee, contact)
+        contact, alarm, _ = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
     # A slow rise leaves the contact in doubt by all its length.
-    return _from_contacts(polar, seen, cells, knee, height_m, rules, (contact - alarm).astype(np.float32))
+    return _from_contacts(polar, seen, cells, contact, height_m, rules, (contact - alarm).astype(np.float32))
 
 
 def p_of_entropy(entropy: float) -> float:
