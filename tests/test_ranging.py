@@ -272,6 +272,21 @@ def test_an_even_floor_is_free_and_a_view_full_of_wall_is_not() -> None:
     assert not full.contact_seen[middle].any()
 
 
+def test_a_gap_of_floor_between_walls_is_enough_to_know_the_walls() -> None:
+    # As between parked cars: an eighth of the picture is floor, and the rest covers the nearest ground.
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    bearing, _ = directions_to_polar(directions, up)
+    wall = np.abs(bearing) > math.radians(5)
+    assert 0.1 < 1 - wall.mean() < 0.2
+    found = free_distances_from_p(noisy_p(wall, 0.1, 0.4), polar, 1.0)
+    aside = np.abs(polar.bearings.centres_rad)
+    walls = (aside > math.radians(7)) & (aside < math.radians(25))
+    assert (found.outcome[walls] == Outcome.OBSTACLE).all()
+    assert not found.contact_seen[walls].any()
+    assert (found.outcome[aside < math.radians(3)] == Outcome.FREE).all()
+
+
 def test_pixels_that_say_nothing_are_left_out() -> None:
     directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
     polar = polar_view(directions, up, bearings=BEARINGS)
