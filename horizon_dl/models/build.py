@@ -11,7 +11,7 @@ ENCODERS = {"fcn": encoders.small, "mobilenet_v3_small": encoders.mobilenet, "re
 
 
 def build_net(config: ModelConfig) -> HorizonFCN:
-    """A net with fresh random weights, channels last in memory: a third faster to train on a CPU."""
+    """A net with fresh random weights, channels last in memory: a CPU's step takes a quarter less time."""
     encoder, channels = ENCODERS[config.kind](config.channels)
     net = HorizonFCN(encoder, channels, config.channels, config.dropout, config.samples)
     return net.to(memory_format=torch.channels_last)
