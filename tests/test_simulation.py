@@ -30,7 +30,7 @@ YARD = Arena(12.0, 12.0, 3.0, True, ("green", "blue", "grey"), ())
 
 @pytest.fixture(scope="session")
 def gl() -> None:
-    """Skips where the machine has no OpenGL; a build machine must have it."""
+    """Skips where the machine has no OpenGL, which rendering needs and flying does not."""
     plain = Scene(YARD, (), (), ())
     try:
         with rendering.SceneRenderer(plain, 64, 48, 50.0):

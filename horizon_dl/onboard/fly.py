@@ -69,6 +69,7 @@ class Fly:
         self.autopilot = Autopilot(clock, self.watchdog.attitude)
         self.latencies, self.periods = Latencies(), Latencies()
         self.sent = self.unsent = self.unknown = self.looked_at = self.without_attitude = 0
+        self.pictures_seen = self.pictures_skipped = 0
         self._sighting, self._link, self._settings, self._clock = sighting, link, settings, clock
         self._newest = _Sighted(-np.inf, None)
         self._reported_s = -np.inf
@@ -150,8 +151,8 @@ class Fly:
             "latency": self.latencies.summary(),
             "period": self.periods.summary(),
             "pictures": {
-                "seen": getattr(self, "pictures_seen", None),
-                "skipped": getattr(self, "pictures_skipped", None),
+                "seen": self.pictures_seen,
+                "skipped": self.pictures_skipped,
                 "looked_at": self.looked_at,
                 "without_attitude": self.without_attitude,
             },
