@@ -142,18 +142,18 @@ def test_a_camera_file_of_another_camera_or_that_looks_straight_down_is_one_line
             fly.run(parsed("m", "--source", "camera:0", "--camera", str(tmp_path / "camera.yaml"), *url))
 
 
-def test_a_video_that_is_not_there_is_one_line(flight: Path, model: None, tmp_path: Path) -> None:
-    arguments = parsed(
-        "m",
-        "--source",
-        str(tmp_path / "none.mp4"),
-        "--mavlink",
-        "udpout:127.0.0.1:9",
-        "--camera",
-        str(flight / "camera.yaml"),
-    )
+def test_a_source_that_is_not_there_is_one_line(flight: Path, model: None, tmp_path: Path) -> None:
+    url = ("--mavlink", "udpout:127.0.0.1:9")
+    for more in ((), ("--camera", str(flight / "camera.yaml"))):
+        with pytest.raises(InputError, match=r"none\.mp4: does not exist"):
+            fly.run(parsed("m", "--source", str(tmp_path / "none.mp4"), *url, *more))
+
+
+def test_a_file_that_is_no_video_is_one_line(flight: Path, model: None, tmp_path: Path) -> None:
+    (tmp_path / "text.mp4").write_text("no video")
+    more = ("--mavlink", "udpout:127.0.0.1:9", "--camera", str(flight / "camera.yaml"))
     with pytest.raises(InputError, match="cannot be opened"):
-        fly.run(arguments)
+        fly.run(parsed("m", "--source", str(tmp_path / "text.mp4"), *more))
 
 
 def test_a_video_is_played_at_its_own_rate(tmp_path: Path) -> None:

@@ -122,11 +122,20 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _recording(arguments: argparse.Namespace) -> "Recording | None":
+    from horizon_dl.errors import InputError
     from horizon_dl.frames.formats import open_recording
+    from horizon_dl.onboard.pictures import is_live
 
-    return (
-        open_recording(Path(arguments.source), arguments.format) if Path(arguments.source).is_dir() else None
-    )
+    source = Path(arguments.source)
+    if source.is_dir():
+        return open_recording(source, arguments.format)
+    if not (is_live(arguments.source) or source.exists()):
+        raise InputError(
+            f"--source {source}",
+            "does not exist",
+            "give camera:0, a stream's address, a video file or a data set",
+        )
+    return None
 
 
 def _calibration(arguments: argparse.Namespace, recording: "Recording | None") -> "Calibration | None":

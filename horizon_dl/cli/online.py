@@ -108,10 +108,11 @@ def _source(arguments: argparse.Namespace) -> "tuple[Recording | None, Stream]":
     from horizon_dl.errors import InputError
     from horizon_dl.frames.formats import open_recording
     from horizon_dl.learning.stream import recorded_stream, video_stream
+    from horizon_dl.onboard.pictures import is_live
 
     if arguments.mavlink is not None:
         return None, _live(arguments)
-    if arguments.data.startswith("camera:") or "://" in arguments.data:
+    if is_live(arguments.data):
         raise InputError(arguments.data, "has no attitude without --mavlink", "name the autopilot's address")
     if arguments.camera_delay or arguments.system != 1 or arguments.signing_key:
         options = "--camera-delay, --system or --signing-key"

@@ -44,6 +44,11 @@ class Picture:
     floor_up_cam: NDArray[np.float64] | None = None
 
 
+def is_live(source: str) -> bool:
+    """Whether a source is a camera or a stream's address, and no file or folder."""
+    return source.startswith(CAMERA_PREFIX) or "://" in source
+
+
 def replay(
     recording: Recording,
     clock: Clock,
