@@ -7,8 +7,8 @@ from typing import Any
 from methods import cell
 from nets import scored, trained_net
 
-from horizon_dl.evaluation.learners import NetMethod
-from horizon_dl.evaluation.metrics import method_metrics
+from horizon_dl.methods.learners import NetMethod
+from horizon_dl.metrics.metrics import method_metrics
 from horizon_dl.reporting.table import format_markdown
 
 ABLATIONS: dict[str, tuple[str, ...]] = {

@@ -32,26 +32,26 @@ from sampled_net import SAMPLES, THRESHOLD, Batch, Passes, Summary, naive_torch
 from torch import Tensor, nn
 
 from horizon_dl.config import Config
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.view import View, make_view
 from horizon_dl.export.encode import Encode
 from horizon_dl.export.graph import WholeWay
 from horizon_dl.export.onnx_file import graph_of
 from horizon_dl.export.parity import feed_of
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.geometry.view import View, make_view
-from horizon_dl.learning.train import evenly
 from horizon_dl.models.build import build_net, parameter_count
+from horizon_dl.models.dropout import image_tensor
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest
-from horizon_dl.obstacles.threshold import obstacle_map
-from horizon_dl.onboard.benchmark import quartiles
-from horizon_dl.onboard.model import new_session
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
+from horizon_dl.runtime.benchmark import quartiles
+from horizon_dl.runtime.model import new_session
 from horizon_dl.simulation.embedded import embedded_set
-from horizon_dl.uncertainty.dropout import image_tensor
+from horizon_dl.training.train import evenly
 from horizon_dl.uncertainty.measures import measures
+from horizon_dl.uncertainty.obstacle_map import obstacle_map
 
 FRAMES = 8  # of the embedded flight, to fit the forest to
 DEPTH_HEIGHT, DEPTH_WIDTH = 518, 686  # what Depth-Anything makes of 320x240: the shorter side 518

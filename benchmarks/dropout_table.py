@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from places import AS_SHIPPED, EVERYWHERE, HEAD, PLACES, analytic_mean, drawn_samples, place_dropout
 from torch import Tensor
 
-from horizon_dl.evaluation.metrics import method_metrics
-from horizon_dl.evaluation.tally import Tally
-from horizon_dl.geometry.view import View
+from horizon_dl.data.view import View
+from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.metrics import method_metrics
+from horizon_dl.models.dropout import image_tensor
 from horizon_dl.models.fcn import HorizonFCN, enlarge
 from horizon_dl.reporting.table import format_markdown
-from horizon_dl.uncertainty.dropout import image_tensor
 from horizon_dl.uncertainty.measures import binary_entropy
 from horizon_dl.uncertainty.scores import P_ABOVE
 

@@ -17,15 +17,15 @@ from typing import Any
 from tqdm import tqdm
 
 from horizon_dl.config import Config, load_config
+from horizon_dl.data.frame import Recording
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.evaluation.compare import split_recording
-from horizon_dl.evaluation.roc import RocResult
-from horizon_dl.evaluation.tally import Tally, scored_pixels
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Recording
-from horizon_dl.learning.online import OnlineLearner
-from horizon_dl.learning.store import FrameStore
+from horizon_dl.metrics.accumulators import Tally, scored_pixels
+from horizon_dl.metrics.roc import RocResult
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
+from horizon_dl.training.frame_store import FrameStore
+from horizon_dl.training.online.learner import OnlineLearner
 
 STREAM = ("arena", "corridor", "arena")
 VARIANTS = {"64 MB": (), "8 MB": ("online.memory_mb=8",), "newest only": ("online.memory_mb=0.0001",)}

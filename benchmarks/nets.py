@@ -10,21 +10,21 @@ from places import AS_SHIPPED, place_dropout
 from safetensors.torch import load_file, save_file
 
 from horizon_dl.config import Config, ModelConfig, load_config
+from horizon_dl.data.frame import Recording
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.evaluation.compare import split_recording
-from horizon_dl.evaluation.learners import Method
 from horizon_dl.evaluation.scoring import read_frame, tally_readings
-from horizon_dl.evaluation.second_truth import SecondTruth
-from horizon_dl.evaluation.tally import Tally
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Recording
-from horizon_dl.geometry.view import View
-from horizon_dl.learning.run import weights
-from horizon_dl.learning.store import FrameStore
-from horizon_dl.learning.train import train_net
+from horizon_dl.methods.learners import Method
+from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.obstacle_height import SecondTruth
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.simulation.embedded import embedded_set
+from horizon_dl.training.frame_store import FrameStore
+from horizon_dl.training.run_folder import weights
+from horizon_dl.training.train import train_net
 
 REAL_SETS = ("arena", "corridor", "hallway", "kitti")
 
@@ -101,7 +101,7 @@ def trained_net(
         net = build(store.config.model)
         net.load_state_dict(load_file(path))
         return net.eval()
-    with patch("horizon_dl.learning.train.build_net", build):
+    with patch("horizon_dl.training.train.build_net", build):
         net = train_net(store, split_recording(store.recording, "labelled-out").train, seed=seed)
     beside = path.with_suffix(f".{os.getpid()}.part")
     save_file(weights(net), beside)

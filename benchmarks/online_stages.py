@@ -21,19 +21,19 @@ import numpy as np
 import torch
 
 from horizon_dl.config import load_config
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Frame
-from horizon_dl.frames.loading import load_frame
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.view import make_view
 from horizon_dl.geometry.resize import area_resize
-from horizon_dl.geometry.view import make_view
-from horizon_dl.learning.coarse import coarse_frame, half_elevation
-from horizon_dl.learning.crops import draw_batch
-from horizon_dl.learning.online import OnlineLearner
-from horizon_dl.learning.packing import pack, unpack
-from horizon_dl.learning.trust import StreamGuard
+from horizon_dl.online.guard import StreamGuard
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.simulation.embedded import embedded_set
+from horizon_dl.training.crops import draw_batch
+from horizon_dl.training.online.compression import pack, unpack
+from horizon_dl.training.online.half_resolution import coarse_frame, half_elevation
+from horizon_dl.training.online.learner import OnlineLearner
 
 SIZE = (320, 240)
 Taken = tuple[float, float]

@@ -5,12 +5,12 @@ from collections.abc import Callable
 import torch
 from torch import Tensor, nn
 
-from horizon_dl.export.bits import entropy
+from horizon_dl.data.view import View
+from horizon_dl.export.entropy import entropy
 from horizon_dl.export.graph import Horizon, MeasureMaps, ObstacleMap
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.geometry.view import View
+from horizon_dl.models.dropout import image_tensor
 from horizon_dl.models.fcn import HorizonFCN, enlarge
-from horizon_dl.uncertainty.dropout import image_tensor
 from horizon_dl.uncertainty.measures import measures
 
 SAMPLES, DROPOUT = 16, 0.25

@@ -13,15 +13,15 @@ from ablations import ABLATIONS
 from nets import store_of, trained_net
 from numpy.typing import NDArray
 
+from horizon_dl.data.frame import Frame
 from horizon_dl.evaluation.compare import split_recording
-from horizon_dl.evaluation.learners import Method, NetMethod, fit_forest
-from horizon_dl.evaluation.roc import RocAccumulator
-from horizon_dl.evaluation.tally import ScoredPixels, enlarged, scored_pixels
-from horizon_dl.frames.frame import Frame
-from horizon_dl.learning.store import FrameStore
-from horizon_dl.learning.train import THRESHOLD_FRAMES, evenly
-from horizon_dl.obstacles.percentile import stream_percentile
+from horizon_dl.methods.learners import Method, NetMethod, fit_forest
+from horizon_dl.metrics.accumulators import ScoredPixels, enlarged, scored_pixels
+from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.reporting.table import format_markdown
+from horizon_dl.training.frame_store import FrameStore
+from horizon_dl.training.train import THRESHOLD_FRAMES, evenly
+from horizon_dl.uncertainty.percentile import stream_percentile
 from horizon_dl.workers import HereWorkers
 
 DARK = 0.6

@@ -37,6 +37,6 @@ def model():
     """The export of the small run, loaded."""
     from small_run import model_file
 
-    from horizon_dl.onboard.model import ObstacleModel
+    from horizon_dl.runtime.model import ObstacleModel
 
     return ObstacleModel.load(model_file())

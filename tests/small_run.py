@@ -11,15 +11,15 @@ from torch.nn import functional as F  # noqa: N812
 from toy import write_toy_set
 
 from horizon_dl.config import Config
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.view import make_view
 from horizon_dl.export.export import Exported, export_run, trained_camera
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Frame
-from horizon_dl.frames.loading import load_frame
-from horizon_dl.geometry.view import make_view
-from horizon_dl.learning.run import Run, save_run
 from horizon_dl.models.build import build_net
+from horizon_dl.models.dropout import image_tensor, sample_p_above
 from horizon_dl.models.fcn import enlarge
-from horizon_dl.uncertainty.dropout import image_tensor, sample_p_above
+from horizon_dl.training.run_folder import Run, save_run
 from horizon_dl.uncertainty.measures import binary_entropy
 
 REAL_SETS = (

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from horizon_dl.baselines import diffusion_score, geodesic_score, position_score
-from horizon_dl.geometry.view import View
+from horizon_dl.data.view import View
+from horizon_dl.methods.baselines import diffusion_score, geodesic_score, position_score
 from horizon_dl.targets.targets import make_target
 
 HEIGHT, WIDTH = 60, 80

@@ -6,7 +6,7 @@ import pytest
 from small_run import model_file, small_export
 
 from horizon_dl.cli import main
-from horizon_dl.onboard.benchmark import STAGES, quartiles, stage_of, timed_in_turn
+from horizon_dl.runtime.benchmark import STAGES, quartiles, stage_of, timed_in_turn
 
 
 def test_the_command_reports_times_stages_and_machine(tmp_path, capsys):

@@ -12,9 +12,9 @@ from places import EVERYWHERE, HEAD, PLACES, analytic_mean, drawn_samples, heads
 from shade import lit_and_shaded
 
 from horizon_dl.config import ModelConfig
-from horizon_dl.evaluation.tally import scored_pixels
-from horizon_dl.frames.frame import Frame
+from horizon_dl.data.frame import Frame
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.metrics.accumulators import scored_pixels
 from horizon_dl.models.build import build_net
 
 

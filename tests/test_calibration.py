@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
+from horizon_dl.data.calibration.calibration import read_calibration, read_camera_yaml
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.calibration import read_calibration, read_camera_yaml
 from horizon_dl.geometry.camera import Camera
 
 OWN = """# a comment

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from horizon_dl.evaluation.calibration import Reliability
+from horizon_dl.metrics.calibration_error import Reliability
 
 
 def reference_error(p, above, bins):

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from horizon_dl.config import load_config
-from horizon_dl.geometry.view import View
-from horizon_dl.learning.coarse import coarse_frame, coarse_target, half_elevation
-from horizon_dl.learning.crops import training_frame
+from horizon_dl.data.view import View
 from horizon_dl.models.build import build_net
+from horizon_dl.models.dropout import p_above_of_all_depths
 from horizon_dl.targets.geodesic import geodesic_target
-from horizon_dl.uncertainty.dropout import p_above_of_all_depths
+from horizon_dl.training.crops import training_frame
+from horizon_dl.training.online.half_resolution import coarse_frame, coarse_target, half_elevation
 
 
 def a_view(shape=(48, 65)) -> View:

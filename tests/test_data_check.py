@@ -9,14 +9,14 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from horizon_dl.data.frame import FrameEntry
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
-from horizon_dl.evaluation.check_result import DataCheck
-from horizon_dl.evaluation.data_check import check_recording, sample_indices
-from horizon_dl.evaluation.data_findings import percent
-from horizon_dl.evaluation.entry_statistics import attitudes, camera_angles_deg, timing
-from horizon_dl.evaluation.finding import Finding, verdict_of
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import FrameEntry
+from horizon_dl.inspection.check_result import DataCheck
+from horizon_dl.inspection.data_check import check_recording, sample_indices
+from horizon_dl.inspection.finding import Finding, verdict_of
+from horizon_dl.inspection.findings import percent
+from horizon_dl.inspection.timing_and_attitude import attitudes, camera_angles_deg, timing
 from horizon_dl.reporting.check import check_lines, write_check
 
 WIDTH, HEIGHT, FOCAL = 96, 72, 80.0

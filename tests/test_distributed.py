@@ -11,7 +11,7 @@ from safetensors.numpy import load_file
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 from toy import write_toy_set
 
-from horizon_dl.learning.distributed import GlobalBatchNorm2d, SyncBatchNorm
+from horizon_dl.training.distributed import GlobalBatchNorm2d, SyncBatchNorm
 
 QUICK = [
     "--train.rounds",

@@ -24,22 +24,22 @@ from small_run import (
 from torch.nn import functional as F  # noqa: N812
 
 from horizon_dl.cli import main
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.view import make_view
 from horizon_dl.export.card import INPUTS, OUTPUTS
 from horizon_dl.export.export import export_run, parity_frames, trained_camera
 from horizon_dl.export.graph import WholeWay, bilinear_weights, summaries
 from horizon_dl.export.int8 import verdict
 from horizon_dl.export.onnx_file import RANDOM_OPERATORS, graph_of
 from horizon_dl.export.parity import LEVELS, TOLERANCE, sample_frames
-from horizon_dl.export.shrink import AreaShrink, NearestEnlarge
-from horizon_dl.export.tried import export_and_try
-from horizon_dl.frames.formats import open_recording
+from horizon_dl.export.resize import AreaShrink, NearestEnlarge
+from horizon_dl.export.smoke_test import export_and_try
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.resize import area_resize
-from horizon_dl.geometry.view import make_view
 from horizon_dl.models.build import build_net
+from horizon_dl.models.dropout import image_tensor, sample_p_above, single_pass_p_above
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.onboard.model import ObstacleModel
-from horizon_dl.uncertainty.dropout import image_tensor, sample_p_above, single_pass_p_above
+from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.uncertainty.measures import binary_entropy
 
 

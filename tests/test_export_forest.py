@@ -12,16 +12,16 @@ from small_run import REAL_SETS, SETTINGS, small_run_folder, toy_frames, toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.config import Config
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.view import make_view
 from horizon_dl.export.card import make_forest_card
 from horizon_dl.export.export import exported, parity_frames
 from horizon_dl.export.forest import cost_line, export_forest
 from horizon_dl.export.forest_features import ForestFeatures
 from horizon_dl.export.forest_trees import TreeVotes, float32_below
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.geometry.view import make_view
 from horizon_dl.models.features import pixel_features
 from horizon_dl.models.forest import HorizonForest
-from horizon_dl.onboard.model import ObstacleModel
+from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.uncertainty.measures import measures
 
 

@@ -14,11 +14,11 @@ from urllib.parse import urlparse
 
 import pytest
 
-from horizon_dl.datasets import download as download_module
-from horizon_dl.datasets import registry
-from horizon_dl.datasets.fetch import SUMS, fetch
-from horizon_dl.datasets.registry import Archive, PublicSet, list_sets
-from horizon_dl.datasets.unpack import unpack
+from horizon_dl.data.download import download as download_module
+from horizon_dl.data.download import public_sets as registry
+from horizon_dl.data.download.fetch import SUMS, fetch
+from horizon_dl.data.download.public_sets import Archive, PublicSet, list_sets
+from horizon_dl.data.download.unpack import unpack
 from horizon_dl.errors import InputError
 
 

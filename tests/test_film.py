@@ -10,10 +10,10 @@ import pytest
 from flat_model import FlatModel
 
 from horizon_dl.cli import main
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.onboard.film import drawn_frames, frames_per_second, write_film
 from horizon_dl.simulation.embedded import embedded_set
+from horizon_dl.visualization.video import drawn_frames, frames_per_second, write_film
 
 REFERENCE = Path(__file__).parents[1] / "exports" / "reference" / "model.onnx"
 

@@ -19,20 +19,20 @@ from numpy.typing import ArrayLike, NDArray
 os.environ["MAVLINK20"] = "1"
 from pymavlink.dialects.v20 import common
 
+from horizon_dl.data.capture.camera import LatestPicture, Picture
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.horizon import elevation
+from horizon_dl.geometry.polar import bearings_for
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.obstacles.polar import bearings_for
-from horizon_dl.onboard.autopilot import Autopilot, height_of
-from horizon_dl.onboard.fly import Fly, FlySettings
-from horizon_dl.onboard.latency import Latencies
-from horizon_dl.onboard.mavlink import Link, read_signing_key
-from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM
-from horizon_dl.onboard.pictures import LatestPicture, Picture
-from horizon_dl.onboard.sighting import Sighting, forward_in_camera, model_rays
-from horizon_dl.onboard.transport import UdpIn, UdpOut, open_transport
+from horizon_dl.runtime.flight_loop import Fly, FlySettings
+from horizon_dl.runtime.latency import Latencies
+from horizon_dl.runtime.perception import Sighting, forward_in_camera, model_rays
+from horizon_dl.vehicle.mavlink import Link, read_signing_key
+from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
+from horizon_dl.vehicle.telemetry import Autopilot, height_of
+from horizon_dl.vehicle.transport import UdpIn, UdpOut, open_transport
 
 CAMERA = Camera("pinhole", 80, 60, 60.0, 60.0, 39.5, 29.5)
 MOUNT = (0.0, math.radians(-15), 0.0)

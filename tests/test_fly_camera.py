@@ -19,19 +19,19 @@ from flat_model import FlatModel
 from pymavlink.dialects.v20 import common
 
 from horizon_dl.cli import fly
+from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.capture import camera as pictures
+from horizon_dl.data.capture.camera import Picture, capture, replay
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
-from horizon_dl.frames.formats import open_recording
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
-from horizon_dl.geometry.calibration import read_calibration
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.obstacles.ranging import Outcome
-from horizon_dl.onboard import pictures
-from horizon_dl.onboard.fly import Fly, FlySettings
-from horizon_dl.onboard.mavlink import Link
-from horizon_dl.onboard.model import ObstacleModel
-from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM
-from horizon_dl.onboard.pictures import Picture, capture, replay
-from horizon_dl.onboard.sighting import Sighting
+from horizon_dl.ranging.free_distance import Outcome
+from horizon_dl.runtime.flight_loop import Fly, FlySettings
+from horizon_dl.runtime.model import ObstacleModel
+from horizon_dl.runtime.perception import Sighting
+from horizon_dl.vehicle.mavlink import Link
+from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
 
 CAMERA = Camera("pinhole", 32, 24, 30.0, 30.0, 15.5, 11.5)
 MOUNT = (0.0, math.radians(-25), 0.0)

@@ -19,10 +19,10 @@ import pytest
 from flat_model import FlatModel
 
 from horizon_dl.cli import fly
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
-from horizon_dl.frames.formats import open_recording
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.onboard.model import ObstacleModel
+from horizon_dl.runtime.model import ObstacleModel
 
 
 def parsed(*arguments: str) -> argparse.Namespace:
@@ -159,7 +159,7 @@ def test_a_file_that_is_no_video_is_one_line(flight: Path, model: None, tmp_path
 def test_a_video_is_played_at_its_own_rate(tmp_path: Path) -> None:
     import cv2
 
-    from horizon_dl.onboard.pictures import capture
+    from horizon_dl.data.capture.camera import capture
 
     path = tmp_path / "v.avi"
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10.0, (32, 24))
@@ -180,7 +180,7 @@ def test_a_video_is_played_at_its_own_rate(tmp_path: Path) -> None:
 
 
 def test_replay_keeps_the_recorded_times(flight: Path) -> None:
-    from horizon_dl.onboard.pictures import replay
+    from horizon_dl.data.capture.camera import replay
 
     now = [5.0]
 
@@ -194,8 +194,8 @@ def test_replay_keeps_the_recorded_times(flight: Path) -> None:
 
 def test_what_flies_needs_no_torch() -> None:
     code = (
-        "import sys, horizon_dl.onboard.fly, horizon_dl.onboard.pictures, horizon_dl.onboard.sighting, "
-        "horizon_dl.onboard.mavlink, horizon_dl.cli.fly\n"
+        "import sys, horizon_dl.runtime.flight_loop, horizon_dl.data.capture.camera, "
+        "horizon_dl.runtime.perception, horizon_dl.vehicle.mavlink, horizon_dl.cli.fly\n"
         "bad = {'torch', 'kornia', 'skimage', 'sklearn', 'scipy', 'matplotlib', 'pymavlink', 'cv2'}\n"
         "sys.exit(str(bad & set(sys.modules)) if bad & set(sys.modules) else 0)"
     )

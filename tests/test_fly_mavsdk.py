@@ -14,14 +14,14 @@ from mavsdk.plugins.mavlink_direct import MavlinkDirect, MavlinkMessage
 from numpy.typing import NDArray
 from test_fly import CAMERA, HEIGHT_M, LEVEL, MOUNT, WALL_M, WallModel, wait_for
 
+from horizon_dl.data.capture.camera import Picture
 from horizon_dl.geometry.attitude import quaternion_from_rpy
-from horizon_dl.onboard.autopilot import Autopilot
-from horizon_dl.onboard.fly import Fly, FlySettings
-from horizon_dl.onboard.mavlink import Link
-from horizon_dl.onboard.obstacle_distance import UNKNOWN_CM, MessageShape, distances_cm
-from horizon_dl.onboard.pictures import Picture
-from horizon_dl.onboard.sighting import Sighting
-from horizon_dl.onboard.transport import UdpIn
+from horizon_dl.runtime.flight_loop import Fly, FlySettings
+from horizon_dl.runtime.perception import Sighting
+from horizon_dl.vehicle.mavlink import Link
+from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM, MessageShape, distances_cm
+from horizon_dl.vehicle.telemetry import Autopilot
+from horizon_dl.vehicle.transport import UdpIn
 
 
 class Recorded(Link):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from horizon_dl.geometry.gravity import estimate_up, still_bias
+from horizon_dl.data.imu import estimate_up, still_bias
 
 RATE_HZ = 200
 GRAVITY = np.array([0.0, 0.0, 9.81])

@@ -6,16 +6,16 @@ import torch
 from toy import write_toy_set
 
 from horizon_dl.config import load_config
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.learning.averaging import averaged
-from horizon_dl.learning.crops import TrainingFrame, draw_batch, training_frame
-from horizon_dl.learning.module import horizon_loss
-from horizon_dl.learning.online import OnlineLearner
-from horizon_dl.learning.run import load_run, save_run
-from horizon_dl.learning.store import FramePool, FrameStore
-from horizon_dl.learning.train import train_net, train_run
-from horizon_dl.uncertainty.dropout import single_pass_p_above
+from horizon_dl.models.dropout import single_pass_p_above
+from horizon_dl.training.averaging import averaged
+from horizon_dl.training.crops import TrainingFrame, draw_batch, training_frame
+from horizon_dl.training.frame_store import FramePool, FrameStore
+from horizon_dl.training.module import horizon_loss
+from horizon_dl.training.online.learner import OnlineLearner
+from horizon_dl.training.run_folder import load_run, save_run
+from horizon_dl.training.train import train_net, train_run
 
 SMALL = [
     "train.rounds=[8, 4]",

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from horizon_dl.data.frame import FrameEntry, Recording
+from horizon_dl.data.images import load_frame
 from horizon_dl.errors import FrameError
-from horizon_dl.frames.frame import FrameEntry, Recording
-from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.camera import Camera
 
 UP = np.array([0.0, -1.0, 0.0])

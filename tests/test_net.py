@@ -4,8 +4,8 @@ import torch
 
 from horizon_dl.config import ModelConfig
 from horizon_dl.models.build import build_net, parameter_count
+from horizon_dl.models.dropout import image_tensor, sample_p_above, single_pass_p_above
 from horizon_dl.models.fcn import balanced_masks, enlarge
-from horizon_dl.uncertainty.dropout import image_tensor, sample_p_above, single_pass_p_above
 
 KINDS = ("fcn", "mobilenet_v3_small", "resnet18")
 

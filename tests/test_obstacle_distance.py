@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.attitude import quaternion_from_rpy
-from horizon_dl.obstacles.polar import Bearings
-from horizon_dl.obstacles.ranging import FreeDistances, no_distances
-from horizon_dl.onboard.attitude_buffer import AttitudeBuffer, ClockOffset
-from horizon_dl.onboard.obstacle_distance import ELEMENTS, UNKNOWN_CM, MessageShape, distances_cm
-from horizon_dl.onboard.watchdog import Watchdog
+from horizon_dl.geometry.polar import Bearings
+from horizon_dl.ranging.free_distance import FreeDistances, no_distances
+from horizon_dl.runtime.watchdog import Watchdog
+from horizon_dl.vehicle.attitude_buffer import AttitudeBuffer, ClockOffset
+from horizon_dl.vehicle.obstacle_distance import ELEMENTS, UNKNOWN_CM, MessageShape, distances_cm
 
 BEARINGS = Bearings(64, math.radians(1.25))  # 80 degrees: 16 elements of 5 degrees
 SHAPE = MessageShape()

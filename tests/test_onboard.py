@@ -14,14 +14,14 @@ from small_run import model_file, small_export, small_run, small_run_folder, toy
 from toy import write_toy_set
 
 from horizon_dl.cli import main
+from horizon_dl.data.view import make_view
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.view import make_view
-from horizon_dl.learning.predict import predict
-from horizon_dl.onboard.model import ObstacleModel
-from horizon_dl.onboard.seal import BLANK, FORMAT, read_sealed, sealed
-from horizon_dl.uncertainty.dropout import sample_p_above
+from horizon_dl.models.dropout import sample_p_above
+from horizon_dl.models.net_measures import net_measures
+from horizon_dl.runtime.checksum import BLANK, FORMAT, read_sealed, sealed
+from horizon_dl.runtime.model import ObstacleModel
+from horizon_dl.training.predict import predict
 from horizon_dl.uncertainty.measures import measures
-from horizon_dl.uncertainty.summary import net_measures
 
 SAME = ("entropy", "surprisal", "fused")
 """Scores that file and run share to rounding; the mutual information is that of the net's coarse grid."""
@@ -197,7 +197,7 @@ def test_a_damaged_file_is_refused_in_one_line(tmp_path, capfd, verb):
 def test_the_runtime_imports_nothing_heavy():
     code = (
         "import sys\n"
-        "import horizon_dl.onboard.predict, horizon_dl.onboard.benchmark, horizon_dl.frames.source\n"
+        "import horizon_dl.runtime.predict, horizon_dl.runtime.benchmark, horizon_dl.data.source\n"
         "heavy = {'torch', 'kornia', 'sklearn', 'skimage', 'scipy', 'pydantic', 'matplotlib', 'onnx'}\n"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
     )

@@ -15,17 +15,17 @@ from tiny_online import assert_same_run, frame_lines, tiny_config, tiny_options,
 from toy import write_toy_set
 
 from horizon_dl.cli import main
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.view import make_view
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.compare import compare
-from horizon_dl.evaluation.online_run import OnlineRun
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.loading import load_frame
-from horizon_dl.geometry.view import make_view
-from horizon_dl.learning import online as online_module
-from horizon_dl.learning.online import OnlineLearner
-from horizon_dl.learning.run import load_run
-from horizon_dl.onboard.model import ObstacleModel
+from horizon_dl.online.run import OnlineRun
+from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.simulation.embedded import embedded_set
+from horizon_dl.training.online import learner as online_module
+from horizon_dl.training.online.learner import OnlineLearner
+from horizon_dl.training.run_folder import load_run
 
 
 @pytest.fixture(scope="module")

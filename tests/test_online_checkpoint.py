@@ -18,9 +18,9 @@ from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.errors import InputError
-from horizon_dl.evaluation.frame_log import FrameLog
-from horizon_dl.learning import checkpoint
-from horizon_dl.learning.checkpoint import Snapshot, read_checkpoint, write_checkpoint
+from horizon_dl.online.frame_log import FrameLog
+from horizon_dl.training import checkpoint
+from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 
 FRAMES = 40
 KILLS = 50
@@ -79,7 +79,7 @@ def learn_and_die(data: Path, out: Path, started, point: str, count: int) -> Non
 @pytest.mark.slow
 def test_killed_fifty_times_a_run_equals_one_that_was_not(toy, whole, tmp_path):
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["horizon_dl.evaluation.online_run", "pytest"])
+    context.set_forkserver_preload(["horizon_dl.online.run", "pytest"])
     chance = random.Random(0)
     points = ["half", "written", "before rename", "after rename"]
     kills = runs = 0

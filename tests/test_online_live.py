@@ -20,19 +20,19 @@ from tiny_online import frame_lines, tiny_options, tiny_run
 from toy import CAMERA, write_toy_set
 
 from horizon_dl.cli import fly, main
+from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.capture.live import live_stream
+from horizon_dl.data.capture.stream import Arrival, recorded_stream, video_stream
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
-from horizon_dl.evaluation.real_time import LEFT_OUT, Arrivals, RealTime, run_in_real_time
 from horizon_dl.export.export import export_run, trained_camera
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
-from horizon_dl.geometry.calibration import read_calibration
-from horizon_dl.learning.live import live_stream
-from horizon_dl.learning.run import Run
-from horizon_dl.learning.stream import Arrival, recorded_stream, video_stream
-from horizon_dl.onboard.followed import FollowedModel
-from horizon_dl.onboard.mavlink import open_link
+from horizon_dl.online.real_time import LEFT_OUT, Arrivals, RealTime, run_in_real_time
 from horizon_dl.output import write_bytes
+from horizon_dl.runtime.hot_reload import FollowedModel
+from horizon_dl.training.run_folder import Run
+from horizon_dl.vehicle.mavlink import open_link
 
 
 @pytest.fixture(scope="module")

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from horizon_dl.config import Config
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.learning.checkpoint import Snapshot, read_checkpoint, write_checkpoint
-from horizon_dl.learning.coarse import coarse_frame, doubled, half_elevation
-from horizon_dl.learning.crops import TrainingFrame
-from horizon_dl.learning.memory import ReplayMemory
-from horizon_dl.learning.packing import pack, unpack, unpack_elevation
-from horizon_dl.learning.store import FrameStore
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
+from horizon_dl.training.crops import TrainingFrame
+from horizon_dl.training.frame_store import FrameStore
+from horizon_dl.training.online.compression import pack, unpack, unpack_elevation
+from horizon_dl.training.online.half_resolution import coarse_frame, doubled, half_elevation
+from horizon_dl.training.online.replay_buffer import ReplayMemory
 
 SHAPE = (40, 50)
 

@@ -14,14 +14,13 @@ from tiny_online import frame_lines, tiny_options
 from toy import write_toy_set
 
 from horizon_dl.cli import main
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Frame
-from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.learning.checkpoint import Snapshot
-from horizon_dl.learning.image_motion import (
+from horizon_dl.inspection.image_motion import (
     contradicts,
     difference,
     same_picture,
@@ -30,7 +29,8 @@ from horizon_dl.learning.image_motion import (
     turn_rad,
     turned_sketch,
 )
-from horizon_dl.learning.trust import Distrust, StreamGuard, exposure_problem
+from horizon_dl.online.guard import Distrust, StreamGuard, exposure_problem
+from horizon_dl.training.checkpoint import Snapshot
 
 CAMERA = Camera("pinhole", 96, 72, 80.0, 80.0, 47.5, 35.5)
 LEVEL = np.array([0.0, -1.0, 0.0])

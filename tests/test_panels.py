@@ -6,24 +6,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
 
-from horizon_dl.frames.frame import Truth
+from horizon_dl.data.frame import Truth
 from horizon_dl.reporting.cells import resize_map
-from horizon_dl.reporting.colours import (
+from horizon_dl.reporting.text import shorten, text_size
+from horizon_dl.visualization.colours import (
     HORIZON_COLOUR,
     NO_VALUE_COLOUR,
     OBSTACLE_COLOUR,
     colour_map,
     lookup_table,
 )
-from horizon_dl.reporting.overlays import (
+from horizon_dl.visualization.overlays import (
     contour_coverage,
     draw_horizon,
     draw_obstacles,
     draw_sides,
     shrink_truth,
 )
-from horizon_dl.reporting.panels import PanelRow, frame_panel, image_bytes, save_panel
-from horizon_dl.reporting.text import shorten, text_size
+from horizon_dl.visualization.panels import PanelRow, frame_panel, image_bytes, save_panel
 
 V, U = np.mgrid[:48, :64].astype(float)
 LEVEL = (20.25 - V) * 0.01  # rad; the horizon lies at row 20.25

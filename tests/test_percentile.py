@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from horizon_dl.obstacles.percentile import RunningPercentile, stream_percentile
+from horizon_dl.uncertainty.percentile import RunningPercentile, stream_percentile
 
 
 @given(

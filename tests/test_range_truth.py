@@ -9,23 +9,23 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from horizon_dl.data.frame import Frame, RangeUnit
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError
-from horizon_dl.evaluation.range_truth import (
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.polar import Bearings
+from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.metrics.range_truth import (
     level_distance,
     load_range,
     nearest,
     true_distances,
     true_obstacles,
 )
-from horizon_dl.evaluation.ranging import RangingTally
-from horizon_dl.evaluation.ranging_block import RangingBlock
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Frame, RangeUnit
-from horizon_dl.frames.loading import load_frame
-from horizon_dl.geometry.camera import Camera
-from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.obstacles.polar import Bearings
-from horizon_dl.obstacles.ranging import FreeDistances, Outcome
+from horizon_dl.metrics.ranging import RangingTally
+from horizon_dl.metrics.ranging_block import RangingBlock
+from horizon_dl.ranging.free_distance import FreeDistances, Outcome
 
 CAMERA = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
 UP = np.array([0.0, -math.cos(0.2), -math.sin(0.2)])  # the camera looks 0.2 rad down

@@ -5,16 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from horizon_dl.frames.frame import Frame
+from horizon_dl.data.frame import Frame
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.obstacles.heading import Heading
-from horizon_dl.obstacles.polar import Bearings, polar_view
-from horizon_dl.obstacles.ranging import FreeDistances, free_distances, no_distances
+from horizon_dl.ranging.free_distance import FreeDistances, free_distances, no_distances
+from horizon_dl.ranging.heading import Heading
 from horizon_dl.reporting.comparison import ranges_of
-from horizon_dl.reporting.panels import PanelRow, frame_panel
-from horizon_dl.reporting.ranged import range_picture
-from horizon_dl.reporting.ranges import draw_ranges
+from horizon_dl.visualization.panels import PanelRow, frame_panel
+from horizon_dl.visualization.range_picture import range_picture
+from horizon_dl.visualization.ranges import draw_ranges
 
 CAMERA = Camera("pinhole", 320, 240, 300.0, 300.0, 159.5, 119.5)
 UP = np.array([0.0, -1.0, 0.0])

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.polar import Bearings, directions_to_polar, level_axes, polar_view
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.obstacles.contact import RiseRules, connected_to_horizon, first_contact, first_rise
-from horizon_dl.obstacles.polar import Bearings, directions_to_polar, level_axes, polar_view
-from horizon_dl.obstacles.ranging import (
+from horizon_dl.ranging.contact import RiseRules, connected_to_horizon, first_contact, first_rise
+from horizon_dl.ranging.free_distance import (
     Outcome,
     RangingRules,
     distance_sd,

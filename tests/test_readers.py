@@ -9,10 +9,10 @@ import make_sets
 import numpy as np
 import pytest
 
-from horizon_dl.frames import kitti as kitti_reader
-from horizon_dl.frames.formats import FORMATS, open_recording
-from horizon_dl.frames.frame import RangeUnit
-from horizon_dl.frames.loading import load_frame
+from horizon_dl.data.frame import RangeUnit
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers import kitti as kitti_reader
+from horizon_dl.data.readers.registry import FORMATS, open_recording
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 
 LEVEL = [0.0, -1.0, 0.0]
@@ -158,7 +158,7 @@ def test_format_can_be_named(tmp_path: Path) -> None:
 
 def test_opening_a_set_imports_nothing_heavy() -> None:
     code = (
-        "import sys, horizon_dl.frames.formats, horizon_dl.frames.loading, horizon_dl.geometry.camera\n"
+        "import sys, horizon_dl.data.readers.registry, horizon_dl.data.images, horizon_dl.geometry.camera\n"
         "print([m for m in ('torch', 'kornia', 'scipy', 'skimage', 'sklearn') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -8,8 +8,8 @@ from pathlib import Path
 import make_sets
 import pytest
 
+from horizon_dl.data.readers.registry import FORMATS, open_recording
 from horizon_dl.errors import InputError
-from horizon_dl.frames.formats import FORMATS, open_recording
 
 
 def message(folder: Path, format_: str | None = None) -> str:

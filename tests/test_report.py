@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from horizon_dl.evaluation.finding import Finding
+from horizon_dl.inspection.finding import Finding
 from horizon_dl.reporting.curves import RocLine, figure_bytes, roc_figure
 from horizon_dl.reporting.html import report_html, write_report
-from horizon_dl.reporting.panels import image_bytes
 from horizon_dl.reporting.sections import (
     GLOSSARY,
     Figure,
@@ -21,6 +20,7 @@ from horizon_dl.reporting.sections import (
     Text,
     media_type,
 )
+from horizon_dl.visualization.panels import image_bytes
 
 PIXELS = np.zeros((4, 4, 3), np.uint8)
 

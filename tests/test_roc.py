@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from sklearn.metrics import average_precision_score, precision_recall_curve, roc_auc_score, roc_curve
 
-from horizon_dl.evaluation.roc import RocAccumulator, score_bin
+from horizon_dl.metrics.roc import RocAccumulator, score_bin
 
 RNG = np.random.default_rng(0)
 N = 20_000

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from horizon_dl.geometry.view import View
+from horizon_dl.data.view import View
 from horizon_dl.targets.geodesic import horizon_distance, step_cost, way_share
 from horizon_dl.uncertainty.scores import fused_score
 

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from horizon_dl.evaluation.second_truth import CROSSING, LOW, UNKNOWN, SecondTruth, obstacle_kinds
-from horizon_dl.evaluation.tally import scored_pixels
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Frame, FrameEntry, Recording
-from horizon_dl.frames.loading import load_frame
+from horizon_dl.data.frame import Frame, FrameEntry, Recording
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.metrics.accumulators import scored_pixels
+from horizon_dl.metrics.obstacle_height import CROSSING, LOW, UNKNOWN, SecondTruth, obstacle_kinds
 
 HEIGHT, WIDTH = 20, 640
 ELEVATION = np.broadcast_to(np.linspace(0.19, -0.19, HEIGHT, dtype=np.float32)[:, None], (HEIGHT, WIDTH))

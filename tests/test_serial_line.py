@@ -13,9 +13,9 @@ import pytest
 os.environ["MAVLINK20"] = "1"
 from pymavlink.dialects.v20 import common
 
-from horizon_dl.onboard import transport
-from horizon_dl.onboard.mavlink import Link
-from horizon_dl.onboard.transport import Serial, open_transport
+from horizon_dl.vehicle import transport
+from horizon_dl.vehicle.mavlink import Link
+from horizon_dl.vehicle.transport import Serial, open_transport
 
 
 class Device:

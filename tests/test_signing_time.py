@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from test_fly import KEY, Line, attitude, codec
 
-from horizon_dl.onboard import mavlink
-from horizon_dl.onboard.mavlink import Link
+from horizon_dl.vehicle import mavlink
+from horizon_dl.vehicle.mavlink import Link
 
 MINUTE = 60 * 100_000
 """In the steps of a time stamp, 10 us."""

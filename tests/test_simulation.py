@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from horizon_dl.data.frame import Truth
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.frames.frame import Truth
-from horizon_dl.frames.loading import load_frame
 from horizon_dl.simulation import rendering
 from horizon_dl.simulation import simulate as simulate_module
 from horizon_dl.simulation.embedded import DEPTH_EVERY, FRAMES, SEED, embedded_set

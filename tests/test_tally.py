@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from horizon_dl.evaluation.metrics import mean_and_spread, method_metrics
-from horizon_dl.evaluation.tally import Confusion, ScoredPixels, Tally, enlarged, scored_pixels
-from horizon_dl.frames.frame import Frame
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.view import View
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.geometry.view import View
+from horizon_dl.metrics.accumulators import Confusion, ScoredPixels, Tally, enlarged, scored_pixels
+from horizon_dl.metrics.metrics import mean_and_spread, method_metrics
 
 CAMERA = Camera("pinhole", 8, 8, 8.0, 8.0, 3.5, 3.5)
 

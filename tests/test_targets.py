@@ -7,9 +7,8 @@ from scipy import ndimage, sparse
 from scipy.sparse.csgraph import dijkstra
 
 from horizon_dl.config import Config, TargetConfig
+from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.view import View
-from horizon_dl.learning.crops import training_frame
 from horizon_dl.targets.geodesic import (
     BLUR,
     CHROMA,
@@ -25,6 +24,7 @@ from horizon_dl.targets.geodesic import (
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
 from horizon_dl.targets.targets import TARGETS, make_target
+from horizon_dl.training.crops import training_frame
 
 HEIGHT, WIDTH = 40, 56
 

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from scipy import ndimage
 
-from horizon_dl.obstacles.threshold import obstacle_map, percentile_threshold, without_lone_pixels
+from horizon_dl.uncertainty.obstacle_map import obstacle_map, percentile_threshold, without_lone_pixels
 
 
 def test_percentile_of_known_numbers():

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from horizon_dl.frames.formats import open_recording
+from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.geometry.rays import unproject
 
 Line = tuple[tuple[float, float], tuple[float, float]]

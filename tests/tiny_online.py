@@ -6,10 +6,10 @@ from pathlib import Path
 from safetensors.torch import load_file
 
 from horizon_dl.config import Config, load_config
-from horizon_dl.evaluation.online_run import OnlineRun
-from horizon_dl.evaluation.run_keeper import CHECKPOINT
-from horizon_dl.frames.formats import open_recording
-from horizon_dl.learning.stream import recorded_stream
+from horizon_dl.data.capture.stream import recorded_stream
+from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.online.run import OnlineRun
+from horizon_dl.online.run_directory import CHECKPOINT
 
 TINY = {
     "model.channels": "4",

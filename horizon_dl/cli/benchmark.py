@@ -29,8 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Measure, print the table, write the figures."""
     from horizon_dl.errors import InputError
-    from horizon_dl.onboard.benchmark import benchmark
     from horizon_dl.output import write_json
+    from horizon_dl.runtime.benchmark import benchmark
 
     if arguments.out and (arguments.out.is_dir() or not arguments.out.absolute().parent.is_dir()):
         raise InputError(arguments.out, "is no file that can be written", "give a file in an existing folder")

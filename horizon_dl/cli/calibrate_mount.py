@@ -25,9 +25,9 @@ def run(arguments: argparse.Namespace) -> None:
     """Look at the images and print the correction."""
     recording = open_data(arguments)
 
-    from horizon_dl.evaluation.mount_check import check_mount, mount_lines
-    from horizon_dl.frames.camera_file import camera_file
-    from horizon_dl.geometry.calibration import read_calibration
+    from horizon_dl.data.calibration.calibration import read_calibration
+    from horizon_dl.data.calibration.camera_file import camera_file
+    from horizon_dl.inspection.mount_check import check_mount, mount_lines
     from horizon_dl.output import output_folder, write_json
 
     path = camera_file(arguments.data)

@@ -22,7 +22,7 @@ def run(arguments: argparse.Namespace) -> None:
     recording = open_data(arguments)
     config = resolve_config(arguments)
 
-    from horizon_dl.evaluation.data_check import check_recording
+    from horizon_dl.inspection.data_check import check_recording
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.check import check_lines, write_check
 

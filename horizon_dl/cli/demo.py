@@ -14,9 +14,9 @@ from horizon_dl.cli.options import add_config, add_out, resolve_config
 
 if TYPE_CHECKING:
     from horizon_dl.config import Config
+    from horizon_dl.data.frame import Recording
     from horizon_dl.evaluation.compare import Comparison
-    from horizon_dl.frames.frame import Recording
-    from horizon_dl.learning.run import Run
+    from horizon_dl.training.run_folder import Run
 
 FOREST_PIXELS = "forest.training_pixels=100000"
 """A quarter of the default: the forest is fitted eight times here."""
@@ -33,9 +33,9 @@ def run(arguments: argparse.Namespace) -> None:
     arguments.overrides.insert(0, FOREST_PIXELS)
     config = resolve_config(arguments)
 
+    from horizon_dl.data.readers.registry import open_recording
     from horizon_dl.evaluation.compare import compare, split_recording
-    from horizon_dl.export.tried import export_and_try
-    from horizon_dl.frames.formats import open_recording
+    from horizon_dl.export.smoke_test import export_and_try
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.comparison import PanelWriter, write_comparison
     from horizon_dl.reporting.table import metrics_table
@@ -57,8 +57,8 @@ def run(arguments: argparse.Namespace) -> None:
 
 def learned_run(result: "Comparison", recording: "Recording", config: "Config") -> "Run":
     """What was learned in the one pass, ready to be exported."""
-    from horizon_dl.learning.store import FrameStore
-    from horizon_dl.learning.train import finished_run
+    from horizon_dl.training.frame_store import FrameStore
+    from horizon_dl.training.train import finished_run
 
     assert result.net is not None
     return finished_run(result.net, FrameStore(recording, config), result.tallies["cnn"][0].train_s)

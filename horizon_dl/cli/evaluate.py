@@ -22,12 +22,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Evaluate, write the figures, and print their table."""
-    from horizon_dl.evaluation.deployed import load_file_run
     from horizon_dl.evaluation.evaluate import evaluate
-    from horizon_dl.learning.run import load_run
+    from horizon_dl.methods.onnx_file import load_file_run
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.comparison import PanelWriter, write_comparison
     from horizon_dl.reporting.table import metrics_table
+    from horizon_dl.training.run_folder import load_run
     from horizon_dl.workers import open_workers
 
     load = load_file_run if is_model_file(arguments.run_folder) else load_run

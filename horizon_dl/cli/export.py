@@ -20,8 +20,8 @@ from horizon_dl.cli.options import add_out
 
 if TYPE_CHECKING:
     from horizon_dl.config import Config
+    from horizon_dl.data.frame import Recording
     from horizon_dl.export.export import Exported
-    from horizon_dl.frames.frame import Recording
     from horizon_dl.geometry.camera import Camera
 
 
@@ -51,12 +51,12 @@ def image_size(text: str) -> tuple[int, int]:
 
 def run(arguments: argparse.Namespace) -> None:
     """Export, compare, measure, write."""
+    from horizon_dl.data.readers.registry import open_recording
     from horizon_dl.errors import InputError
     from horizon_dl.export.export import export_run, parity_frames, trained_camera
-    from horizon_dl.frames.formats import open_recording
-    from horizon_dl.learning.run import load_run
-    from horizon_dl.onboard.predict import same_camera
     from horizon_dl.output import output_folder
+    from horizon_dl.runtime.predict import same_camera
+    from horizon_dl.training.run_folder import load_run
 
     if arguments.int8 and not arguments.data:
         raise InputError("--int8", "is chosen by measuring", "name a data set with --data")

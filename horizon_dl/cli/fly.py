@@ -19,10 +19,10 @@ from horizon_dl.cli.options import add_autopilot, check_autopilot, positive_int
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from horizon_dl.frames.frame import Recording
-    from horizon_dl.geometry.calibration import Calibration
-    from horizon_dl.onboard.fly import FlySettings
-    from horizon_dl.onboard.pictures import Picture
+    from horizon_dl.data.calibration.calibration import Calibration
+    from horizon_dl.data.capture.camera import Picture
+    from horizon_dl.data.frame import Recording
+    from horizon_dl.runtime.flight_loop import FlySettings
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -86,12 +86,12 @@ def run(arguments: argparse.Namespace) -> None:
     import signal
     import time
 
-    from horizon_dl.onboard.fly import Fly
-    from horizon_dl.onboard.followed import FollowedModel
-    from horizon_dl.onboard.mavlink import open_link
-    from horizon_dl.onboard.predict import check_camera
-    from horizon_dl.onboard.sighting import Sighting
     from horizon_dl.output import write_json
+    from horizon_dl.runtime.flight_loop import Fly
+    from horizon_dl.runtime.hot_reload import FollowedModel
+    from horizon_dl.runtime.perception import Sighting
+    from horizon_dl.runtime.predict import check_camera
+    from horizon_dl.vehicle.mavlink import open_link
 
     recording = _recording(arguments)
     calibration = _calibration(arguments, recording)
@@ -122,9 +122,9 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _recording(arguments: argparse.Namespace) -> "Recording | None":
+    from horizon_dl.data.capture.camera import is_live
+    from horizon_dl.data.readers.registry import open_recording
     from horizon_dl.errors import InputError
-    from horizon_dl.frames.formats import open_recording
-    from horizon_dl.onboard.pictures import is_live
 
     source = Path(arguments.source)
     if source.is_dir():
@@ -140,8 +140,8 @@ def _recording(arguments: argparse.Namespace) -> "Recording | None":
 
 def _calibration(arguments: argparse.Namespace, recording: "Recording | None") -> "Calibration | None":
     """Of --camera, or of the data set where it has one."""
-    from horizon_dl.frames.camera_file import camera_file
-    from horizon_dl.geometry.calibration import read_calibration
+    from horizon_dl.data.calibration.calibration import read_calibration
+    from horizon_dl.data.calibration.camera_file import camera_file
 
     path = arguments.camera
     if path is None and recording is not None:
@@ -153,10 +153,10 @@ def _settings(
     arguments: argparse.Namespace, calibration: "Calibration | None", recording: "Recording | None"
 ) -> "FlySettings":
     from horizon_dl.errors import InputError
-    from horizon_dl.obstacles.polar import LEVEL_UP, level_axes
-    from horizon_dl.onboard.fly import FlySettings
-    from horizon_dl.onboard.obstacle_distance import MessageShape
-    from horizon_dl.onboard.sighting import forward_in_camera
+    from horizon_dl.geometry.polar import LEVEL_UP, level_axes
+    from horizon_dl.runtime.flight_loop import FlySettings
+    from horizon_dl.runtime.perception import forward_in_camera
+    from horizon_dl.vehicle.obstacle_distance import MessageShape
 
     check_autopilot(arguments)
     attitude = arguments.attitude or ("autopilot" if recording is None else "recorded")
@@ -213,7 +213,7 @@ def _pictures(
 ) -> "Iterator[Picture]":
     import time
 
-    from horizon_dl.onboard.pictures import capture, replay
+    from horizon_dl.data.capture.camera import capture, replay
 
     if recording is not None:
         return replay(recording, time.monotonic, speed=arguments.speed, loop=arguments.loop)

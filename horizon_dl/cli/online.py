@@ -26,9 +26,9 @@ from horizon_dl.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from horizon_dl.evaluation.online_run import OnlineRun
-    from horizon_dl.frames.frame import Recording
-    from horizon_dl.learning.stream import Stream
+    from horizon_dl.data.capture.stream import Stream
+    from horizon_dl.data.frame import Recording
+    from horizon_dl.online.run import OnlineRun
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -77,8 +77,8 @@ def run(arguments: argparse.Namespace) -> None:
     config = resolve_config(arguments)
 
     from horizon_dl.errors import InputError
-    from horizon_dl.evaluation.online_run import OnlineRun
-    from horizon_dl.evaluation.real_time import run_in_real_time
+    from horizon_dl.online.real_time import run_in_real_time
+    from horizon_dl.online.run import OnlineRun
 
     if arguments.speed is not None and (stream.live or not arguments.real_time):
         raise InputError("--speed", "has no meaning without --real-time, nor with --mavlink", "leave it out")
@@ -105,10 +105,10 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _source(arguments: argparse.Namespace) -> "tuple[Recording | None, Stream]":
+    from horizon_dl.data.capture.camera import is_live
+    from horizon_dl.data.capture.stream import recorded_stream, video_stream
+    from horizon_dl.data.readers.registry import open_recording
     from horizon_dl.errors import InputError
-    from horizon_dl.frames.formats import open_recording
-    from horizon_dl.learning.stream import recorded_stream, video_stream
-    from horizon_dl.onboard.pictures import is_live
 
     if arguments.mavlink is not None:
         return None, _live(arguments)
@@ -130,10 +130,10 @@ def _source(arguments: argparse.Namespace) -> "tuple[Recording | None, Stream]":
 
 
 def _live(arguments: argparse.Namespace) -> "Stream":
+    from horizon_dl.data.calibration.calibration import read_calibration
+    from horizon_dl.data.capture.live import live_stream
     from horizon_dl.errors import InputError
-    from horizon_dl.geometry.calibration import read_calibration
-    from horizon_dl.learning.live import live_stream
-    from horizon_dl.onboard.mavlink import open_link
+    from horizon_dl.vehicle.mavlink import open_link
 
     if arguments.attitude is not None:
         raise InputError("--attitude", "has no meaning with --mavlink", "leave one of them out")

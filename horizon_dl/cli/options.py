@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from horizon_dl.config import Config
-    from horizon_dl.frames.frame import Recording
+    from horizon_dl.data.frame import Recording
 
 
 def add_data(parser: argparse.ArgumentParser) -> None:
@@ -68,7 +68,7 @@ def add_autopilot(parser: argparse.ArgumentParser) -> None:
 def check_autopilot(arguments: argparse.Namespace) -> None:
     """InputError for values of `add_autopilot` that make no sense."""
     from horizon_dl.errors import InputError
-    from horizon_dl.onboard.watchdog import STALE_S
+    from horizon_dl.runtime.watchdog import STALE_S
 
     if arguments.system > 255:
         raise InputError(f"--system {arguments.system}", "is no MAVLink system id", "take 1 to 255")
@@ -82,7 +82,7 @@ def check_autopilot(arguments: argparse.Namespace) -> None:
 
 def open_data(arguments: argparse.Namespace) -> "Recording":
     """The recording that `DATA` and `--format` name."""
-    from horizon_dl.frames.formats import open_recording
+    from horizon_dl.data.readers.registry import open_recording
 
     return open_recording(arguments.data, arguments.format)
 

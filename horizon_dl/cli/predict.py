@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 from horizon_dl.cli.options import add_out, is_model_file, say_skipped
 
 if TYPE_CHECKING:
+    from horizon_dl.data.frame import Recording
+    from horizon_dl.data.source import Source
     from horizon_dl.errors import FrameError
-    from horizon_dl.frames.frame import Recording
-    from horizon_dl.frames.source import Source
-    from horizon_dl.reporting.colours import Image
+    from horizon_dl.visualization.colours import Image
 
     Drawn = tuple[str, Image, dict[str, Any]]
 
@@ -42,11 +42,11 @@ def run(arguments: argparse.Namespace) -> None:
     import numpy as np
     from tqdm import tqdm
 
+    from horizon_dl.data.frame import Recording
+    from horizon_dl.data.source import frame_count, open_source
     from horizon_dl.errors import FrameError, InputError
-    from horizon_dl.frames.frame import Recording
-    from horizon_dl.frames.source import frame_count, open_source
     from horizon_dl.output import output_folder
-    from horizon_dl.reporting.panels import save_panel
+    from horizon_dl.visualization.panels import save_panel
 
     predictions = _from_file if is_model_file(arguments.model) else _from_run
     source = open_source(arguments.source, arguments.format)
@@ -74,17 +74,17 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _film(path: Path, model: Path, recording: "Recording") -> int:
-    from horizon_dl.onboard.film import write_film
-    from horizon_dl.onboard.model import ObstacleModel
+    from horizon_dl.runtime.model import ObstacleModel
+    from horizon_dl.visualization.video import write_film
 
     return write_film(path, ObstacleModel.load(model), recording)
 
 
 def _from_run(folder: Path, source: "Source") -> "Iterator[Drawn | FrameError]":
     from horizon_dl.errors import FrameError
-    from horizon_dl.learning.predict import predict, views_of
-    from horizon_dl.learning.run import load_run
     from horizon_dl.reporting.comparison import prediction_panel
+    from horizon_dl.training.predict import predict, views_of
+    from horizon_dl.training.run_folder import load_run
 
     trained = load_run(folder)
     for item in views_of(source, trained.config.image.max_pixels):
@@ -98,8 +98,8 @@ def _from_run(folder: Path, source: "Source") -> "Iterator[Drawn | FrameError]":
 
 def _from_file(path: Path, source: "Source") -> "Iterator[Drawn | FrameError]":
     from horizon_dl.errors import FrameError
-    from horizon_dl.onboard.model import ObstacleModel
-    from horizon_dl.onboard.predict import predict_source
+    from horizon_dl.runtime.model import ObstacleModel
+    from horizon_dl.runtime.predict import predict_source
 
     for item in predict_source(ObstacleModel.load(path), source):
         yield item if isinstance(item, FrameError) else (item.name, item.panel(), item.arrays())

@@ -23,9 +23,9 @@ def run(arguments: argparse.Namespace) -> None:
     recording = open_data(arguments)
     config = resolve_config(arguments)
 
-    from horizon_dl.learning.run import save_run
-    from horizon_dl.learning.train import train_run
     from horizon_dl.output import output_folder
+    from horizon_dl.training.run_folder import save_run
+    from horizon_dl.training.train import train_run
 
     with output_folder(arguments.out) as folder:
         trained = train_run(recording, config, log_dir=folder / "tensorboard", progress=True)

@@ -9,19 +9,9 @@ import numpy as np
 from tqdm import tqdm
 
 from horizon_dl.config import Config
+from horizon_dl.data.frame import Recording
 from horizon_dl.errors import InputError
-from horizon_dl.evaluation.learners import (
-    ForestMethod,
-    ForestStream,
-    Method,
-    NetMethod,
-    NetStream,
-    StreamLearner,
-    fit_forest,
-)
-from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
 from horizon_dl.evaluation.protocols import Protocol, Split, split_frames
-from horizon_dl.evaluation.ranging_block import RangingBlock
 from horizon_dl.evaluation.scoring import (
     OnFrame,
     ScoredFrame,
@@ -31,14 +21,24 @@ from horizon_dl.evaluation.scoring import (
     tally_readings,
     watching,
 )
-from horizon_dl.evaluation.second_truth import SecondTruth
-from horizon_dl.evaluation.tally import Tally
-from horizon_dl.evaluation.training_free import training_free_methods
-from horizon_dl.frames.frame import Recording
-from horizon_dl.learning.store import FrameStore
-from horizon_dl.learning.train import THRESHOLD_FRAMES, entropy_threshold, evenly, train_net
+from horizon_dl.methods.learners import (
+    ForestMethod,
+    ForestStream,
+    Method,
+    NetMethod,
+    NetStream,
+    StreamLearner,
+    fit_forest,
+)
+from horizon_dl.methods.training_free import training_free_methods
+from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.metrics import SCHEMA, method_metrics
+from horizon_dl.metrics.obstacle_height import SecondTruth
+from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.obstacles.percentile import RunningPercentile, stream_percentile
+from horizon_dl.training.frame_store import FrameStore
+from horizon_dl.training.train import THRESHOLD_FRAMES, entropy_threshold, evenly, train_net
+from horizon_dl.uncertainty.percentile import RunningPercentile, stream_percentile
 from horizon_dl.workers import HERE, Workers
 
 T = TypeVar("T")

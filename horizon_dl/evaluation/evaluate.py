@@ -4,12 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from tqdm import tqdm
 
+from horizon_dl.data.frame import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.compare import Comparison
-from horizon_dl.evaluation.deployed import FileMethod, FileRun, with_frames
-from horizon_dl.evaluation.learners import Method, NetMethod
-from horizon_dl.evaluation.metrics import SCHEMA, method_metrics
-from horizon_dl.evaluation.ranging_block import RangingBlock
 from horizon_dl.evaluation.scoring import (
     OnFrame,
     Reading,
@@ -18,12 +15,15 @@ from horizon_dl.evaluation.scoring import (
     tally_readings,
     watching,
 )
-from horizon_dl.evaluation.second_truth import SecondTruth
-from horizon_dl.evaluation.training_free import training_free_methods
-from horizon_dl.frames.frame import Recording
-from horizon_dl.learning.run import Run
-from horizon_dl.learning.store import FrameStore
-from horizon_dl.onboard.predict import check_camera
+from horizon_dl.methods.learners import Method, NetMethod
+from horizon_dl.methods.onnx_file import FileMethod, FileRun, with_frames
+from horizon_dl.methods.training_free import training_free_methods
+from horizon_dl.metrics.metrics import SCHEMA, method_metrics
+from horizon_dl.metrics.obstacle_height import SecondTruth
+from horizon_dl.metrics.ranging_block import RangingBlock
+from horizon_dl.runtime.predict import check_camera
+from horizon_dl.training.frame_store import FrameStore
+from horizon_dl.training.run_folder import Run
 from horizon_dl.workers import HERE, Workers
 
 

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.config import Config
+from horizon_dl.data.frame import Frame, Recording
+from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
-from horizon_dl.evaluation.learners import Method
-from horizon_dl.evaluation.ranging_block import RangingBlock
-from horizon_dl.evaluation.second_truth import SecondTruth
-from horizon_dl.evaluation.tally import Tally, scored_pixels
-from horizon_dl.frames.frame import Frame, Recording
-from horizon_dl.geometry.view import View
-from horizon_dl.learning.store import FrameStore
+from horizon_dl.methods.learners import Method
+from horizon_dl.metrics.accumulators import Tally, scored_pixels
+from horizon_dl.metrics.obstacle_height import SecondTruth
+from horizon_dl.metrics.ranging_block import RangingBlock
+from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.scores import P_ABOVE
 from horizon_dl.workers import Workers
 

@@ -7,15 +7,15 @@ from typing import Any
 from safetensors.torch import save
 
 from horizon_dl.config import Config
-from horizon_dl.frames.frame import Recording
+from horizon_dl.data.frame import Recording
+from horizon_dl.data.view import working_size
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.geometry.view import working_size
-from horizon_dl.learning.run import Run, weights
 from horizon_dl.models.build import parameter_count
 from horizon_dl.models.features import FEATURE_NAMES
 from horizon_dl.models.forest import HorizonForest
-from horizon_dl.onboard.model import camera_from_card
 from horizon_dl.provenance import versions
+from horizon_dl.runtime.model import camera_from_card
+from horizon_dl.training.run_folder import Run, weights
 
 KIND = "horizon-dl obstacle model"
 WHAT = (

@@ -7,18 +7,18 @@ from typing import Any
 
 import onnx
 
+from horizon_dl.data.frame import Frame, Recording
+from horizon_dl.data.images import load_frame
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.export.card import make_card
 from horizon_dl.export.graph import WholeWay
 from horizon_dl.export.onnx_file import file_bytes, graph_of
 from horizon_dl.export.parity import Learner, parity, sample_frames
-from horizon_dl.frames.frame import Frame, Recording
-from horizon_dl.frames.loading import load_frame
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.learning.run import Run
-from horizon_dl.learning.train import evenly
-from horizon_dl.onboard.model import camera_from_card
 from horizon_dl.output import write_json
+from horizon_dl.runtime.model import camera_from_card
+from horizon_dl.training.run_folder import Run
+from horizon_dl.training.train import evenly
 
 MOST_FRAMES = 8
 

@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 
 from horizon_dl.config import Config
-from horizon_dl.evaluation.learners import fit_forest
+from horizon_dl.data.frame import Recording
 from horizon_dl.export.card import make_forest_card
 from horizon_dl.export.export import Exported, exported, parity_frames
 from horizon_dl.export.parity import feed_of, predictor, sample_frames
-from horizon_dl.frames.frame import Recording
-from horizon_dl.learning.store import FrameStore
-from horizon_dl.learning.train import THRESHOLD_FRAMES, evenly
+from horizon_dl.methods.learners import fit_forest
 from horizon_dl.models.forest import HorizonForest
-from horizon_dl.obstacles.percentile import stream_percentile
-from horizon_dl.onboard.benchmark import quartiles, timed_in_turn
-from horizon_dl.onboard.model import camera_from_card, new_session
+from horizon_dl.runtime.benchmark import quartiles, timed_in_turn
+from horizon_dl.runtime.model import camera_from_card, new_session
+from horizon_dl.training.frame_store import FrameStore
+from horizon_dl.training.train import THRESHOLD_FRAMES, evenly
+from horizon_dl.uncertainty.percentile import stream_percentile
 
 PARITY_FRAMES = 2
 RUNS = 10

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from sklearn.tree import DecisionTreeClassifier
 from torch import Tensor, nn
 
-from horizon_dl.export.bits import entropy
+from horizon_dl.export.entropy import entropy
 from horizon_dl.models.forest import HorizonForest
 
 ML_DOMAIN, ML_OPSET = "ai.onnx.ml", 5

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 from onnxruntime.quantization import CalibrationDataReader, QuantFormat, QuantType, quantize_static
 from onnxruntime.quantization.shape_inference import quant_pre_process
 
+from horizon_dl.data.frame import Frame, Recording
 from horizon_dl.export.export import Exported, parity_frames
 from horizon_dl.export.measure import measured
 from horizon_dl.export.onnx_file import file_bytes
 from horizon_dl.export.parity import feed_of
-from horizon_dl.frames.frame import Frame, Recording
-from horizon_dl.onboard.benchmark import quartiles, timed_in_turn
-from horizon_dl.onboard.model import new_session
+from horizon_dl.runtime.benchmark import quartiles, timed_in_turn
+from horizon_dl.runtime.model import new_session
 
 NAME = "model-int8"
 MOST_LOSS = 0.005

@@ -4,9 +4,9 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from horizon_dl.evaluation.deployed import load_file_run
+from horizon_dl.data.frame import Recording
 from horizon_dl.evaluation.evaluate import evaluate
-from horizon_dl.frames.frame import Recording
+from horizon_dl.methods.onnx_file import load_file_run
 
 
 def measured(content: bytes, data: Recording) -> dict[str, Any]:

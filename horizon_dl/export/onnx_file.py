@@ -13,8 +13,8 @@ import torch
 from horizon_dl import __version__
 from horizon_dl.export.card import INPUTS, KIND, OUTPUTS
 from horizon_dl.export.graph import WholeWay
-from horizon_dl.onboard.model import CARD_KEY
-from horizon_dl.onboard.seal import BLANK, sealed
+from horizon_dl.runtime.checksum import BLANK, sealed
+from horizon_dl.runtime.model import CARD_KEY
 
 OPSET = 18
 RANDOM_OPERATORS = {

@@ -9,16 +9,16 @@ import onnxruntime
 from numpy.typing import NDArray
 from PIL import Image
 
-from horizon_dl.frames.frame import Frame
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.view import View, make_view
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.resize import nearest_pixels
-from horizon_dl.geometry.view import View, make_view
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest
-from horizon_dl.obstacles.threshold import obstacle_map
-from horizon_dl.onboard.model import OUTPUTS, new_session
+from horizon_dl.models.net_measures import net_measures
+from horizon_dl.runtime.model import OUTPUTS, new_session
 from horizon_dl.uncertainty.measures import Measures, measures
-from horizon_dl.uncertainty.summary import net_measures
+from horizon_dl.uncertainty.obstacle_map import obstacle_map
 
 LEVELS = {
     "none": onnxruntime.GraphOptimizationLevel.ORT_DISABLE_ALL,

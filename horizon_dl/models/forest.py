@@ -9,9 +9,9 @@ from sklearn.ensemble import RandomForestClassifier
 from sklearn.tree import DecisionTreeClassifier
 from sklearn.utils.parallel import Parallel, delayed
 
+from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.horizon import IGNORED, horizon_label
-from horizon_dl.geometry.view import View
 from horizon_dl.models.features import FEATURE_NAMES, pixel_features
 
 FEATURES = len(FEATURE_NAMES)

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
-from horizon_dl.reporting.colours import Colour, Image, colour_map
-from horizon_dl.reporting.overlays import (
+from horizon_dl.visualization.colours import Colour, Image, colour_map
+from horizon_dl.visualization.overlays import (
     contour_coverage,
     draw_horizon,
     draw_line,

@@ -7,18 +7,15 @@ from typing import Any
 import numpy as np
 
 from horizon_dl.config import Config
-from horizon_dl.evaluation.calibration import Reliability
+from horizon_dl.data.frame import Frame
 from horizon_dl.evaluation.compare import Comparison
-from horizon_dl.evaluation.roc import RocAccumulator
 from horizon_dl.evaluation.scoring import ScoredFrame
-from horizon_dl.evaluation.tally import Tally
-from horizon_dl.frames.frame import Frame
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.learning.predict import Prediction
-from horizon_dl.obstacles.threshold import obstacle_map
+from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.calibration_error import Reliability
+from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
-from horizon_dl.reporting.colours import Image
 from horizon_dl.reporting.curves import (
     Floats,
     OperatingPoint,
@@ -29,11 +26,14 @@ from horizon_dl.reporting.curves import (
     save_figure,
 )
 from horizon_dl.reporting.html import write_report
-from horizon_dl.reporting.panels import PanelRow, frame_panel, image_bytes, save_panel
-from horizon_dl.reporting.ranged import range_picture
 from horizon_dl.reporting.sections import GLOSSARY, Figure, Heading, Pairs, Section, Table, Text
 from horizon_dl.reporting.table import HEADER, METHOD_HEADER, METHOD_NAMES, method_rows, metrics_rows
+from horizon_dl.training.predict import Prediction
+from horizon_dl.uncertainty.obstacle_map import obstacle_map
 from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.visualization.colours import Image
+from horizon_dl.visualization.panels import PanelRow, frame_panel, image_bytes, save_panel
+from horizon_dl.visualization.range_picture import range_picture
 
 MOST_PANELS = 8
 HEADLINE = {"cnn": "entropy", "rf": "entropy"}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.evaluation.calibration import Reliability
+from horizon_dl.metrics.calibration_error import Reliability
 from horizon_dl.output import write_bytes
 
 if TYPE_CHECKING:

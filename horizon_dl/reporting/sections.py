@@ -4,7 +4,7 @@ import base64
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from horizon_dl.evaluation.finding import Finding
+from horizon_dl.inspection.finding import Finding
 
 
 def media_type(content: bytes) -> str:

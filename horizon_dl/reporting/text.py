@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image as PilImage
 from PIL import ImageDraw, ImageFont
 
-from horizon_dl.reporting.colours import Colour, Image
+from horizon_dl.visualization.colours import Colour, Image
 
 DARK: Colour = (40, 44, 52)
 SOFT: Colour = (110, 116, 128)

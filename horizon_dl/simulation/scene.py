@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.frames.frame import Truth
+from horizon_dl.data.frame import Truth
 from horizon_dl.simulation.floor import paint_ceiling, paint_floor
 from horizon_dl.simulation.layout import Arena, Solid
 from horizon_dl.simulation.surfaces import (

@@ -5,8 +5,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.view import View
 from horizon_dl.targets.geodesic import geodesic_target, one_way_target
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target

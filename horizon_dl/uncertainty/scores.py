@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.geometry.view import View
+from horizon_dl.data.view import View
 from horizon_dl.targets.geodesic import horizon_distance, logit, relative_angle, step_cost, way_share
 from horizon_dl.uncertainty.measures import Measures, binary_entropy, p_other_side
 

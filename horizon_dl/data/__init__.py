@@ -1,0 +1,1 @@
+"""Frames, the sources that yield them, and everything that is read."""

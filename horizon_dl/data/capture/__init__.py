@@ -1,0 +1,1 @@
+"""Cameras, films and streams as they come."""

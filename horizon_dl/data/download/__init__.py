@@ -1,0 +1,1 @@
+"""Public sets, fetched from their official hosts and checked by hash."""

@@ -1,0 +1,66 @@
+"""Images + CSV, the format to bring own data in: `frames.csv`, `camera.yaml`, images; also labels and depth.
+
+frames.csv has the columns image, time_s, roll_rad, pitch_rad and, if known, yaw_rad and height_m. The
+attitude is the body's (FRD in NED); a blank or NaN attitude means that the frame has none.
+"""
+
+import math
+from pathlib import Path
+
+from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.frame import FrameEntry, Recording
+from horizon_dl.data.readers.parsing import beside, column, finished, read_table
+from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
+
+NAME = "images_csv"
+NEEDS = "frames.csv (image,time_s,roll_rad,pitch_rad,...) and camera.yaml"
+REQUIRED = ("image", "time_s", "roll_rad", "pitch_rad")
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder looks like this format."""
+    return (folder / "frames.csv").is_file()
+
+
+def read(folder: Path) -> Recording:
+    """Opens the set.
+
+    Raises:
+        InputError: a file, column or field is missing or wrong, or no frame has an attitude.
+    """
+    table = folder / "frames.csv"
+    rows = read_table(table, REQUIRED)
+    calibration = read_calibration(folder / "camera.yaml")
+    times = column(table, rows, "time_s")
+    roll, pitch, yaw, height = (
+        column(table, rows, name) for name in ("roll_rad", "pitch_rad", "yaw_rad", "height_m")
+    )
+    entries = []
+    for index, row in enumerate(rows):
+        if not row.get("image") or not math.isfinite(times[index]):
+            raise InputError(table, f"row {index + 1} has no image or no time", "complete or remove the row")
+        path = folder / row["image"]
+        # The heading does not move the horizon: without it, zero serves.
+        angles = (roll[index], pitch[index], yaw[index] if math.isfinite(yaw[index]) else 0.0)
+        up_cam = None
+        if math.isfinite(sum(angles)):
+            up_cam = up_in_camera(quaternion_from_rpy(*angles), calibration.mount_rpy_rad)
+        entries.append(
+            FrameEntry(
+                name=row["image"],
+                time_s=float(times[index]),
+                image_path=path,
+                up_cam=up_cam,
+                height_m=float(height[index]) if math.isfinite(height[index]) else None,
+                truth_path=beside(folder, "labels", path.stem),
+                range_path=beside(folder, "depth", path.stem),
+            )
+        )
+    return Recording(
+        name=folder.resolve().name,
+        format=NAME,
+        camera=calibration.camera,
+        entries=finished(table, entries, "the columns roll_rad and pitch_rad"),
+        rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+    )

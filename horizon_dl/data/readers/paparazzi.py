@@ -1,0 +1,142 @@
+"""A flight recorded by paparazzi: images named in microseconds since boot, and the file logger's CSV.
+
+DATA is the flight folder or its parent: `FLIGHT/*.jpg`, `FLIGHT.csv` (beside or inside), `camera.yaml`,
+`labels/`. Columns: `time` (s), `att_phi`, `att_theta`, `att_psi` (rad, NED) or the quaternion `att_qi`,
+`att_qx`, `att_qy`, `att_qz`; where there, `pos_z` (m, positive down) and `cmd_thrust` tell the flight from
+the ground.
+"""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.frame import FrameEntry, Recording
+from horizon_dl.data.readers.parsing import (
+    MAX_GAP_S,
+    beside,
+    check_overlap,
+    column,
+    finished,
+    images_in,
+    read_lines,
+    read_table,
+)
+from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy, up_in_camera
+
+Floats = NDArray[np.float64]
+
+NAME = "paparazzi"
+NEEDS = (
+    "a folder of images named in microseconds, a CSV with time, att_phi, att_theta, att_psi, and camera.yaml"
+)
+ANGLES = ("att_phi", "att_theta", "att_psi")
+QUATERNION = ("att_qi", "att_qx", "att_qy", "att_qz")
+IN_FLIGHT_M = 0.3
+"""Lower than this the drone takes off or lands: the camera sees the ground from too near."""
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder looks like this format."""
+    return bool(flights_in(folder))
+
+
+def flights_in(folder: Path) -> list[tuple[Path, Path]]:
+    """Pairs of image folder and log: the folder itself, or those directly below."""
+    places = [folder.absolute(), *(p for p in sorted(folder.glob("*")) if p.is_dir() and p.name != "labels")]
+    pairs = ((place, _log_of(place)) for place in places)
+    return [(place, log) for place, log in pairs if log is not None and _images(place)]
+
+
+def read(folder: Path) -> Recording:
+    """Opens one flight; frames on the ground are left out.
+
+    Raises:
+        InputError: no flight or several, a column is missing, or log and images never meet in time.
+    """
+    flights = flights_in(folder)
+    if not flights:
+        raise InputError(folder, "holds no paparazzi flight", f"needed: {NEEDS}")
+    if len(flights) > 1:
+        names = ", ".join(place.name for place, _ in flights)
+        raise InputError(folder, f"holds {len(flights)} flights: {names}", "give the folder of one of them")
+    place, log = flights[0]
+    calibration = read_calibration(_near(place, "camera.yaml"))
+    images = _images(place)
+    image_times = np.array([int(path.stem) * 1e-6 for path in images])
+    times, quaternions, heights, flying = read_log(log)
+    check_overlap(log, image_times, times)
+    labels = _near(place, "labels").parent
+    entries = []
+    for path, time_s in zip(images, image_times.tolist(), strict=True):
+        height = float(np.interp(time_s, times, heights))
+        if np.interp(time_s, times, flying) < 0.5 or (math.isfinite(height) and height <= IN_FLIGHT_M):
+            continue
+        attitude = interpolate(times, quaternions, time_s, MAX_GAP_S)
+        entries.append(
+            FrameEntry(
+                name=f"{place.name}/{path.name}",
+                time_s=time_s,
+                image_path=path,
+                up_cam=None if attitude is None else up_in_camera(attitude, calibration.mount_rpy_rad),
+                height_m=height if math.isfinite(height) else None,
+                truth_path=beside(labels, "labels", path.stem),
+            )
+        )
+    left_out = len(images) - len(entries)
+    if not entries:
+        raise InputError(log, f"all {left_out} images were taken on the ground", "give a log of a flight")
+    return Recording(
+        name=place.resolve().name,
+        format=NAME,
+        camera=calibration.camera,
+        entries=finished(log, entries, "the log"),
+        rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+        notes=(f"{left_out} of {len(images)} images left out: on the ground",) if left_out else (),
+    )
+
+
+def read_log(log: Path) -> tuple[Floats, Floats, Floats, Floats]:
+    """Times (N,) s, quaternions (N, 4), heights (N,) m or NaN, and 1 or 0 (N,) for motors on or off.
+
+    Raises:
+        InputError: a column is missing or a cell is not a number.
+    """
+    header = read_lines(log)[0]
+    has_quaternion = all(name in header for name in QUATERNION)
+    rows = read_table(log, ("time", *(QUATERNION if has_quaternion else ANGLES)))
+    times = column(log, rows, "time")
+    attitude = np.stack(
+        [column(log, rows, name) for name in (QUATERNION if has_quaternion else ANGLES)], axis=-1
+    )
+    if not has_quaternion:
+        attitude = np.array([quaternion_from_rpy(*angles) for angles in attitude])
+    good = (
+        np.isfinite(times) & np.isfinite(attitude).all(axis=-1) & (np.linalg.norm(attitude, axis=-1) > 1e-6)
+    )
+    # Without the column nothing speaks against flight.
+    thrust = column(log, rows, "cmd_thrust") if "cmd_thrust" in rows[0] else np.ones(len(rows))
+    extras = np.stack([-column(log, rows, "pos_z"), (thrust > 0).astype(np.float64)], axis=-1)
+    times, joined = times[good], np.concatenate([attitude, extras], axis=-1)[good]
+    order = np.argsort(times, kind="stable")
+    times, joined = times[order], joined[order]
+    return times, joined[:, :4], joined[:, 4], joined[:, 5]
+
+
+def _images(place: Path) -> list[Path]:
+    return [path for path in images_in(place) if path.stem.isdigit()]
+
+
+def _log_of(place: Path) -> Path | None:
+    """The CSV with an attitude that belongs to a folder of images: beside it under its name, or inside it."""
+    beside_it = place.parent / f"{place.name}.csv"
+    candidates = [beside_it, *sorted(place.glob("*.csv"))]
+    return next((path for path in candidates if path.is_file()), None)
+
+
+def _near(place: Path, name: str) -> Path:
+    """A file in the flight folder, else the one beside it."""
+    return place / name if (place / name).exists() else place.parent / name

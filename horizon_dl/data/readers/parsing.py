@@ -1,0 +1,181 @@
+"""Small helpers that the readers share: tables, images of a folder, labels beside them."""
+
+import csv
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.frame import FrameEntry
+from horizon_dl.errors import InputError
+
+Floats = NDArray[np.float64]
+
+IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".ppm", ".pgm", ".tif", ".tiff")
+MAX_GAP_S = 0.2
+"""Longest gap between two attitude samples that is bridged; robots turn too much in longer ones."""
+
+
+def read_lines(path: Path) -> list[str]:
+    """Lines of a text file without blank ones.
+
+    Raises:
+        InputError: missing or not text.
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise InputError(path, "is missing", "restore the file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(path, f"cannot be read as text ({type(error).__name__})", "check the file") from None
+    return [line for line in text.splitlines() if line.strip()]
+
+
+def read_table(path: Path, required: Sequence[str]) -> list[dict[str, str]]:
+    """Rows of a CSV file with a header; names and values stripped.
+
+    Raises:
+        InputError: missing, empty, or a required column is missing (the error names it).
+    """
+    lines = read_lines(path)
+    if len(lines) < 2:
+        raise InputError(path, "has no rows", "give a header line and one line for each sample")
+    try:
+        rows = list(csv.reader(lines))
+    except csv.Error:
+        raise InputError(path, "is not a CSV file", "separate columns with commas") from None
+    header = [name.strip() for name in rows[0]]
+    missing = [name for name in required if name not in header]
+    if missing:
+        plural = "s" if len(missing) > 1 else ""
+        raise InputError(
+            path, f"has no column{plural} '{', '.join(missing)}'", f"needed are {', '.join(required)}"
+        )
+    return [dict(zip(header, (value.strip() for value in row), strict=False)) for row in rows[1:]]
+
+
+def number(text: str | None) -> float:
+    """The number in a cell, NaN where it is blank or says so.
+
+    Raises:
+        ValueError: it is something else.
+    """
+    return float(text) if text else math.nan
+
+
+def column(path: Path, rows: Sequence[Mapping[str, str]], name: str) -> Floats:
+    """A column as numbers (N,), NaN for blank cells.
+
+    Raises:
+        InputError: a cell holds no number; the error names line and column.
+    """
+    values = np.full(len(rows), np.nan)
+    for index, row in enumerate(rows):
+        try:
+            values[index] = number(row.get(name))
+        except ValueError:
+            cell = str(row.get(name))[:40]
+            raise InputError(
+                path, f"row {index + 1}, column '{name}' holds {cell!r}", "write a number or leave it blank"
+            ) from None
+    return values
+
+
+def read_numbers(path: Path, columns: int) -> Floats:
+    """Numbers (N, columns) of a file with '#' comments, separated by commas or blanks.
+
+    Further columns are left out. A last line that is cut off is dropped: so ends a log when the power goes.
+
+    Raises:
+        InputError: missing, empty, or a line is too short or not numeric.
+    """
+    samples: list[list[float]] = []
+    lines = read_lines(path)
+    for place, line in enumerate(lines, 1):
+        if line.lstrip().startswith("#"):
+            continue
+        try:
+            row = [float(cell) for cell in re.split(r"[,\s]+", line.strip().strip(","))[:columns]]
+        except ValueError:
+            row = []
+        if len(row) < columns and place == len(lines):
+            break
+        if len(row) < columns:
+            raise InputError(path, f"line {place} has no {columns} numbers", "correct or remove the line")
+        samples.append(row)
+    if not samples:
+        raise InputError(path, "holds no samples", "record it again or copy it whole")
+    return np.array(samples, dtype=np.float64)
+
+
+def by_time(times_s: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Samples (N,) and (N, k) sorted by time; those with a NaN or infinite number in them left out."""
+    good = np.isfinite(times_s) & np.isfinite(values).all(axis=-1)
+    order = np.argsort(times_s[good], kind="stable")
+    return times_s[good][order], values[good][order]
+
+
+def images_in(folder: Path) -> list[Path]:
+    """Image files of a folder, sorted by name; none if there is no such folder."""
+    if not folder.is_dir():
+        return []
+    return sorted(
+        p for p in folder.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES and not p.name.startswith(".")
+    )
+
+
+def beside(folder: Path, kind: str, stem: str) -> Path | None:
+    """`folder/kind/stem.png` if it is there."""
+    path = folder / kind / f"{stem}.png"
+    return path if path.is_file() else None
+
+
+def relative_name(path: Path, folder: Path) -> str:
+    """Path relative to the recording's folder, with forward slashes on every system."""
+    return path.relative_to(folder).as_posix()
+
+
+def finished(where: Path, entries: Iterable[FrameEntry], what: str) -> tuple[FrameEntry, ...]:
+    """Entries in time order, checked: there are some, and at least one has an attitude.
+
+    Args:
+        where: file or folder that is to be mended.
+        entries: in any order.
+        what: the source of the attitude, in words for the error.
+
+    Raises:
+        InputError: no frames, no image on disk, or no attitude at any frame's time.
+    """
+    ordered = tuple(sorted(entries, key=lambda entry: entry.time_s))
+    if not ordered:
+        raise InputError(where, "holds no frames", "check that the images were copied")
+    if not any(entry.image_path.is_file() for entry in ordered):
+        raise InputError(
+            where,
+            f"none of the {len(ordered)} images is there, as {ordered[0].name}",
+            "copy the images beside it",
+        )
+    if all(entry.up_cam is None for entry in ordered):
+        raise InputError(where, f"no frame has an attitude from {what}", "check that its values are numbers")
+    return ordered
+
+
+def check_overlap(where: Path, image_times_s: Floats, log_times_s: Floats) -> None:
+    """The images and the attitude log share some time.
+
+    Raises:
+        InputError: the times never meet; the error gives both spans.
+    """
+    if len(image_times_s) == 0 or len(log_times_s) == 0:
+        raise InputError(where, "holds no usable samples", "check times and attitude for numbers")
+    first, last = float(image_times_s.min()), float(image_times_s.max())
+    start, end = float(log_times_s.min()), float(log_times_s.max())
+    if last < start or first > end:
+        raise InputError(
+            where,
+            f"covers {start:.3f} to {end:.3f} s, the images {first:.3f} to {last:.3f} s: they never meet",
+            "give log and images of the same flight, on the same clock",
+        )

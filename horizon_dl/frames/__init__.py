@@ -1,1 +1,0 @@
-"""Frames and the readers of recordings."""

@@ -1,0 +1,1 @@
+"""Whether a recording is fit to learn from, and why not."""

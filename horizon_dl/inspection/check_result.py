@@ -1,0 +1,52 @@
+"""What a check of data found, as figures and words."""
+
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+from horizon_dl.data.view import View
+from horizon_dl.inspection.finding import Finding, Level
+from horizon_dl.inspection.image_quality import Exposure, TruthStatistics
+from horizon_dl.inspection.time_offset import MotionFit
+from horizon_dl.inspection.timing_and_attitude import Attitudes, Labels, Percentiles, Timing
+
+
+@dataclass(frozen=True)
+class DataCheck:
+    """What was found about a recording; figures are None where nothing is known.
+
+    Attributes:
+        frames: entries of the recording.
+        sampled: images that were looked at, of which `unreadable` could not be read.
+        unreadable_examples: name and reason of the first few.
+        findings: the words, the verdict's reasons among them.
+        verdict: one sentence; `level` is its level.
+        overlay_views: evenly spaced frames to draw the horizon on; not part of the JSON.
+    """
+
+    name: str
+    format: str
+    frames: int
+    sampled: int
+    unreadable: int
+    unreadable_examples: tuple[tuple[str, str], ...]
+    band_deg: float
+    notes: tuple[str, ...]
+    timing: Timing
+    attitudes: Attitudes | None
+    labels: Labels | None
+    exposure: Exposure | None
+    motion: MotionFit | None
+    height_m: Percentiles | None
+    truth: TruthStatistics | None
+    findings: tuple[Finding, ...] = ()
+    level: Level = "ok"
+    verdict: str = ""
+    overlay_views: tuple[View, ...] = field(default=(), repr=False)
+
+    def to_json(self) -> dict[str, Any]:
+        """Everything but the pictures, as what `json.dumps` takes."""
+        return asdict(replace(self, overlay_views=()), dict_factory=_without_views)
+
+
+def _without_views(items: list[tuple[str, Any]]) -> dict[str, Any]:
+    return {name: value for name, value in items if name != "overlay_views"}

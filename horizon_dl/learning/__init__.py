@@ -1,1 +1,0 @@
-"""Training, offline and online."""

@@ -1,0 +1,1 @@
+"""Net, forest, model file and training-free baselines behind one interface."""

@@ -1,0 +1,85 @@
+"""An exported model in the place of the run folder it came from."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from horizon_dl.config import Config
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.view import View
+from horizon_dl.errors import InputError
+from horizon_dl.runtime.model import ObstacleModel
+from horizon_dl.uncertainty.measures import p_other_side
+from horizon_dl.uncertainty.scores import P_ABOVE, fused_score
+
+
+@dataclass(frozen=True)
+class FrameView(View):
+    """A view that still knows its frame: the file resizes the image itself."""
+
+    frame: Frame
+
+
+@dataclass(frozen=True)
+class FileMethod:
+    """A model file as a method of the evaluation; it has no single pass."""
+
+    model: ObstacleModel
+
+    def score_maps(self, view: View) -> dict[str, NDArray[np.float32]]:
+        """All scores of a `FrameView`."""
+        assert isinstance(view, FrameView)
+        found = self.model.predict(view.frame.image, view.frame.up_cam)
+        return {
+            P_ABOVE: found.p_above,
+            "entropy": found.entropy,
+            "expected_entropy": found.expected_entropy,
+            "mutual_information": found.mutual_information,
+            "surprisal": p_other_side(found.p_above, found.elevation > 0),
+            "fused": fused_score(view, found.p_above),
+        }
+
+
+@dataclass(frozen=True)
+class FileRun:
+    """What the evaluation asks of a run folder, from a model file."""
+
+    model: ObstacleModel
+    config: Config
+    info: dict[str, Any]
+
+    @property
+    def learner(self) -> str:
+        """`cnn` or `rf`, as in `metrics.json`."""
+        return str(self.model.card.get("learner", "cnn"))
+
+    @property
+    def threshold(self) -> float:
+        """Entropy above which a pixel counts as obstacle, bits."""
+        return self.model.threshold
+
+
+def load_file_run(path: Path) -> FileRun:
+    """Load a model file for evaluation.
+
+    Raises:
+        InputError: it is damaged or no such file, or made by a version with another configuration.
+    """
+    model = ObstacleModel.load(path)
+    try:
+        config = Config.model_validate(model.card["config"])
+    except (ValidationError, KeyError):
+        raise InputError(path, "was exported by another version", "export it again") from None
+    info = {**model.card["trained_on"], "threshold_rule": model.card["threshold"]["rule"]}
+    return FileRun(model, config, info)
+
+
+def with_frames(frames: Iterable[tuple[Frame, View]]) -> Iterator[tuple[Frame, View]]:
+    """The same pairs, with views that know their frames."""
+    for frame, view in frames:
+        yield frame, FrameView(**vars(view), frame=frame)

@@ -1,0 +1,32 @@
+"""The training-free baselines as methods: what a learner has to beat to have learned anything."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.view import View
+from horizon_dl.methods import baselines
+
+Map = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class TrainingFree:
+    """A baseline with the one score `score`."""
+
+    score: Callable[[View], Map]
+
+    def score_maps(self, view: View) -> dict[str, Map]:
+        """`score` alone, (h, w) in [0, 1]."""
+        return {"score": self.score(view)}
+
+
+def training_free_methods() -> dict[str, TrainingFree]:
+    """The baselines by the names they have in `metrics.json`."""
+    return {
+        "diffusion": TrainingFree(baselines.diffusion_score),
+        "geodesic": TrainingFree(baselines.geodesic_score),
+        "position": TrainingFree(lambda view: baselines.position_score(view.elevation)),
+    }

@@ -1,0 +1,1 @@
+"""What is measured against truth; each metric updates, merges and computes."""

@@ -1,0 +1,105 @@
+"""A tally as a snapshot: histograms are mostly empty, so only what they hold is kept."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import torch
+
+from horizon_dl.metrics.accumulators import Confusion, Tally
+from horizon_dl.metrics.ranging import joined
+from horizon_dl.metrics.ranging_block import RangingBlock
+from horizon_dl.metrics.roc import RocAccumulator
+from horizon_dl.training.checkpoint import Snapshot
+from horizon_dl.uncertainty.percentile import RunningPercentile
+
+SCALARS = ("threshold", "right_sides", "sides", "frames", "predict_s", "train_s")
+BELOW = ""
+"""In place of the name of other pixels: the pixels below the horizon, which every tally has."""
+
+
+def tally_snapshot(tally: Tally) -> Snapshot:
+    """All that a tally has gathered."""
+    rocs = {BELOW: tally.rocs, **tally.other_rocs}
+    parts = {
+        f"{other}.{name}": roc_snapshot(roc)
+        for other, by_score in rocs.items()
+        for name, roc in by_score.items()
+    }
+    calibration = {name: torch.from_numpy(array) for name, array in vars(tally.calibration).items()}
+    values: dict[str, Any] = {name: getattr(tally, name) for name in SCALARS}
+    values |= {"raw": asdict(tally.raw), "filtered": asdict(tally.filtered), "rocs": list(parts)}
+    return Snapshot.join({**parts, "tally": Snapshot(calibration, values)})
+
+
+def restored_tally(snapshot: Snapshot) -> Tally:
+    """The tally of a snapshot."""
+    own = snapshot.part("tally")
+    tally = Tally(
+        raw=Confusion(**own.values["raw"]),
+        filtered=Confusion(**own.values["filtered"]),
+        **{name: own.values[name] for name in SCALARS},
+    )
+    for name in vars(tally.calibration):
+        setattr(tally.calibration, name, own.tensors[name].numpy().copy())
+    for key in own.values["rocs"]:
+        other, _, name = key.partition(".")
+        by_score = tally.rocs if other == BELOW else tally.other_rocs.setdefault(other, {})
+        by_score[name] = restored_roc(snapshot.part(key))
+    return tally
+
+
+def ranging_snapshot(block: RangingBlock) -> Snapshot:
+    """All that a ranging block has gathered."""
+    return Snapshot.join(
+        {
+            name: Snapshot(
+                {
+                    "relative": torch.from_numpy(joined(tally.relative).astype(np.float32)),
+                    "within_2sd": torch.from_numpy(joined(tally.within_2sd).astype(np.bool_)),
+                    "counts": torch.from_numpy(tally.counts.copy()),
+                }
+            )
+            for name, tally in block.tallies.items()
+        }
+    )
+
+
+def restore_ranging(block: RangingBlock, snapshot: Snapshot) -> None:
+    """Go on from a snapshot of a block of the same recording."""
+    for name, tally in block.tallies.items():
+        found = {key: tensor.numpy().copy() for key, tensor in snapshot.part(name).tensors.items()}
+        tally.relative, tally.within_2sd, tally.counts = (
+            [found["relative"]],
+            [found["within_2sd"]],
+            found["counts"],
+        )
+
+
+def roc_snapshot(roc: RocAccumulator) -> Snapshot:
+    """The places of a histogram that hold anything, and how much."""
+    counts = roc.counts.ravel()
+    places = np.flatnonzero(counts)
+    return Snapshot(
+        {
+            "places": torch.from_numpy(places.astype(np.int32)),
+            "counts": torch.from_numpy(counts[places]),
+        }
+    )
+
+
+def restored_roc(snapshot: Snapshot) -> RocAccumulator:
+    """The histogram of a snapshot."""
+    roc = RocAccumulator()
+    roc.counts.ravel()[snapshot.tensors["places"].numpy()] = snapshot.tensors["counts"].numpy()
+    return roc
+
+
+def percentile_snapshot(percentile: RunningPercentile) -> Snapshot:
+    """The scores counted so far."""
+    return Snapshot({"counts": torch.from_numpy(percentile.counts)})
+
+
+def restore_percentile(percentile: RunningPercentile, snapshot: Snapshot) -> None:
+    """The scores of a snapshot in place of those counted."""
+    percentile.counts[:] = snapshot.tensors["counts"].numpy()

@@ -1,0 +1,148 @@
+"""Distances that a depth camera or a lidar measured."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.frame import Frame, RangeUnit, Recording, Truth
+from horizon_dl.data.images import load_counts
+from horizon_dl.errors import FrameError
+from horizon_dl.geometry.polar import Bearings, directions_to_polar
+from horizon_dl.geometry.rays import camera_rays
+
+Floats = NDArray[np.float32]
+Mask = NDArray[np.bool_]
+Sectors = NDArray[np.int64]
+
+MIN_POINTS = 3
+MIN_SHARE = 0.02
+
+
+def load_range(recording: Recording, index: int) -> Floats | None:
+    """Level distances of a frame's range image, at its own size.
+
+    Returns:
+        (h, w) metres from the camera along the floor, NaN where nothing was measured; None for frames
+        without range or attitude.
+
+    Raises:
+        FrameError: the file cannot be read.
+    """
+    entry = recording.entries[index]
+    up_cam = entry.up_cam if entry.floor_up_cam is None else entry.floor_up_cam
+    if entry.range_path is None or up_cam is None:
+        return None
+    counts = np.rot90(load_counts(entry.range_path), recording.rotate_quarter_turns_ccw)
+    height, width = counts.shape
+    directions = camera_rays(recording.camera.scaled(width, height)).directions
+    return level_distance(counts, entry.range_unit, directions, up_cam)
+
+
+class FrameRanges:
+    """The level distances measured with the frames of a recording, by frame."""
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self._index = {entry.name: index for index, entry in enumerate(recording.entries)}
+
+    def of(self, frame: Frame) -> Floats | None:
+        """As `load_range`; None also for a frame of another recording and for a file that cannot be read."""
+        if frame.name not in self._index:
+            return None
+        try:
+            return load_range(self._recording, self._index[frame.name])
+        except FrameError:
+            return None
+
+
+def level_distance(
+    counts: NDArray[np.uint16], unit: RangeUnit, directions: Floats, up_cam: NDArray[np.float64]
+) -> Floats:
+    """(h, w) metres along the floor from a range image's numbers; NaN where there is none."""
+    measured = np.where((counts == 0) | (counts == 65535), np.nan, counts * np.float32(unit.metres))
+    along_ray = measured / directions[..., 2] if unit.along == "axis" else measured
+    sine = directions @ np.asarray(up_cam, np.float32)
+    return np.asarray(along_ray * np.sqrt(np.clip(1 - sine**2, 0.0, 1.0)), np.float32)
+
+
+def true_obstacles(frame: Frame, range_m: Floats, bearings: Bearings) -> tuple[Mask, Mask]:
+    """The truth's own obstacle map, to see what ranging itself gets wrong: what is no floor in front.
+
+    Floor that was measured behind the nearest obstacle of its bearing counts as obstacle. Lidar sees the road
+    under bumpers up to 0.35 m high: as floor it would put a car 7.5 m away at 9.5 m.
+
+    Args:
+        frame: see `true_distances`.
+        range_m: see `true_distances`.
+        bearings: see `true_distances`.
+
+    Returns:
+        (h, w) what is no free floor, and (h, w) where anything was measured.
+    """
+    height, width = range_m.shape
+    sector, _ = _sectors(frame, height, width, bearings)
+    front_m = np.append(true_distances(frame, range_m, bearings), np.float32(np.nan))[sector]
+    known = np.isfinite(range_m)
+    assert frame.truth is not None  # or true_distances has raised
+    with np.errstate(invalid="ignore"):
+        behind = range_m > front_m
+    return known & ((nearest(frame.truth, height, width) != Truth.FLOOR) | behind), known
+
+
+def true_distances(frame: Frame, range_m: Floats, bearings: Bearings) -> Floats:
+    """(sectors,) level distance of the nearest obstacle of each bearing, NaN where none was measured.
+
+    That is the smallest distance within which lie at least 3 points, and 2 % of the sector's points, that
+    are labelled obstacle and lie below the camera's height: a few points beside an edge are no obstacle.
+
+    Args:
+        frame: with truth and attitude.
+        range_m: (h, w) of `load_range`; the truth is looked up at its pixels' centres.
+        bearings: zero is the optical axis.
+
+    Raises:
+        ValueError: the frame has no truth or attitude.
+    """
+    if frame.truth is None:
+        raise ValueError("distances per bearing need truth")
+    height, width = range_m.shape
+    sector, depression = _sectors(frame, height, width, bearings)
+    labels = nearest(frame.truth, height, width)
+    used = (sector < bearings.count) & (depression > 0) & (labels == Truth.OBSTACLE) & np.isfinite(range_m)
+    return _smallest_supported(sector[used], range_m[used], bearings.count)
+
+
+def _sectors(frame: Frame, height: int, width: int, bearings: Bearings) -> tuple[Sectors, Floats]:
+    """(h, w) sector of each pixel, `bearings.count` for none, and its depression."""
+    up_cam = floor_up(frame)
+    if up_cam is None:
+        raise ValueError("distances per bearing need an attitude")
+    directions = camera_rays(frame.camera.scaled(width, height)).directions
+    bearing, depression = directions_to_polar(directions, up_cam)
+    sector = np.floor(bearing / bearings.step_rad + bearings.count / 2)
+    inside = (sector >= 0) & (sector < bearings.count)
+    return np.where(inside, sector, bearings.count).astype(np.int64), depression
+
+
+def floor_up(frame: Frame) -> NDArray[np.float64] | None:
+    """The floor's normal in the optical frame: the known one, else the world's up."""
+    return frame.up_cam if frame.floor_up_cam is None else frame.floor_up_cam
+
+
+def nearest(image: NDArray[np.uint8], height: int, width: int) -> NDArray[np.uint8]:
+    """A (H, W) label image at another size, by the nearest pixel."""
+    rows = (np.arange(height) + 0.5) * image.shape[0] / height
+    columns = (np.arange(width) + 0.5) * image.shape[1] / width
+    return image[np.ix_(rows.astype(int), columns.astype(int))]
+
+
+def _smallest_supported(sector: NDArray[np.int64], distance_m: Floats, count: int) -> Floats:
+    """(count,) of each sector the n-th smallest distance, n = max(3, 2 % of its points)."""
+    order = np.lexsort((distance_m, sector))
+    ordered = distance_m[order]
+    points = np.bincount(sector, minlength=count)
+    first = np.concatenate([[0], np.cumsum(points)[:-1]])
+    needed = np.maximum(MIN_POINTS, np.ceil(MIN_SHARE * points).astype(np.int64))
+    enough = points >= needed
+    result = np.full(count, np.nan, np.float32)
+    result[enough] = ordered[(first + needed - 1)[enough]]
+    return result

@@ -1,0 +1,134 @@
+"""Free distances against measured ones: the block `ranging` of `metrics.json`."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.frame import Frame
+from horizon_dl.geometry.polar import Bearings, polar_view
+from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.metrics.range_truth import floor_up, true_distances
+from horizon_dl.ranging.free_distance import (
+    FreeDistances,
+    Outcome,
+    RangingRules,
+    free_distances,
+    free_distances_from_p,
+)
+
+Floats = NDArray[np.float32]
+
+MISSED_FACTOR = 1.5
+FALSE_STOP_FACTOR = 0.67
+EVALUATION_BEARINGS = Bearings(120, math.radians(1.0))
+
+
+@dataclass
+class RangingTally:
+    """Errors of free distances over the bearings whose true distance lies in an interval.
+
+    A contact below the image cannot be measured, but its obstacle must not be overlooked: such bearings count
+    for `missed` (ground beyond the obstacle reported free) and not for the errors.
+
+    Attributes:
+        near_m: the interval's near end, m.
+        far_m: its far end, m.
+        connected_only: range the obstacles that reach the horizon, or all.
+        bearings: sectors, zero is the optical axis.
+        rules: of the ranging.
+        relative: errors of the measured bearings as shares of the true distance, frame by frame.
+        within_2sd: whether they were within twice the stated standard deviation.
+        counts: bearings with a true distance; of them with a contact below the view, unknown, missed, and
+            false stops.
+    """
+
+    near_m: float = 0.7
+    far_m: float = 25.0
+    connected_only: bool = False
+    bearings: Bearings = EVALUATION_BEARINGS
+    rules: RangingRules = field(default_factory=RangingRules)
+    relative: list[Floats] = field(default_factory=list)
+    within_2sd: list[NDArray[np.bool_]] = field(default_factory=list)
+    counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(5, np.int64))
+
+    def add(
+        self,
+        frame: Frame,
+        found: NDArray[np.bool_] | Floats,
+        range_m: Floats,
+        *,
+        known: NDArray[np.bool_] | None = None,
+        floor_p: float | None = None,
+    ) -> FreeDistances | None:
+        """Count one frame.
+
+        Args:
+            frame: with truth, attitude and height; others are left out (None is returned).
+            found: (h, w) at any size of the frame's aspect: an obstacle map (bool) or `p_above` (float).
+            range_m: (h', w') of `load_range`.
+            known: (h, w) pixels of an obstacle map that say anything; all if left out.
+            floor_p: for `p_above`, see `free_distances_from_p`.
+        """
+        up_cam = floor_up(frame)
+        if up_cam is None or frame.height_m is None or frame.truth is None:
+            return None
+        truth_m = true_distances(frame, range_m, self.bearings)
+        height, width = found.shape
+        directions = camera_rays(frame.camera.scaled(width, height)).directions
+        polar = polar_view(directions, up_cam, bearings=self.bearings)
+        height_m = frame.height_m
+        options: dict[str, Any] = {"connected_only": self.connected_only, "rules": self.rules}
+        if found.dtype == np.bool_:
+            distances = free_distances(found.astype(np.bool_), polar, height_m, known=known, **options)
+        else:
+            p_above = found.astype(np.float32)
+            distances = free_distances_from_p(p_above, polar, height_m, floor_p=floor_p, **options)
+        self.count(distances, truth_m, height_m)
+        return distances
+
+    def count(self, found: FreeDistances, truth_m: Floats, height_m: float) -> None:
+        """Count the bearings (sectors,) of one frame, its camera `height_m` over the floor."""
+        with np.errstate(invalid="ignore"):
+            used = (truth_m >= self.near_m) & (truth_m <= self.far_m)
+        distance, truth = found.distance_m[used], truth_m[used]
+        unknown = found.outcome[used] == Outcome.UNKNOWN
+        met = found.outcome[used] == Outcome.OBSTACLE
+        in_view = height_m / truth < np.tan(found.nearest_rad[used])
+        covered = met & ~found.contact_seen[used]
+        with np.errstate(invalid="ignore"):
+            missed = ~unknown & (distance > MISSED_FACTOR * truth) & (in_view | ~covered)
+            false_stop = met & (distance < FALSE_STOP_FACTOR * truth)
+        self.counts += [len(truth), (~in_view).sum(), unknown.sum(), missed.sum(), false_stop.sum()]
+        measured = met & in_view
+        error = np.abs(distance[measured] - truth[measured])
+        self.relative.append((error / truth[measured]).astype(np.float32))
+        self.within_2sd.append(error <= 2 * found.sd_m[used][measured])
+
+    def metrics(self) -> dict[str, Any]:
+        """The figures; None where there was nothing to measure.
+
+        `columns` bearings had a true distance in the interval. Of them `missed` (share reported free beyond
+        1.5 times the true distance), `false_stop` (share reported under 0.67 times), `unknown`, and
+        `contact_below_view`; `median_relative_error` and `within_2sd` are over the others with a reported
+        obstacle.
+        """
+        columns, *shares = (int(n) for n in self.counts)
+        relative, within = joined(self.relative), joined(self.within_2sd)
+        names = ("contact_below_view", "unknown", "missed", "false_stop")
+        return {
+            "median_relative_error": float(np.median(relative)) if len(relative) else None,
+            "columns": columns,
+            **{name: n / columns if columns else None for name, n in zip(names, shares, strict=True)},
+            "within_2sd": float(np.mean(within)) if len(within) else None,
+            "interval_m": [self.near_m, self.far_m],
+            "connected_only": self.connected_only,
+        }
+
+
+def joined(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """All parts end to end; an empty array of no parts."""
+    return np.concatenate(parts) if parts else np.empty(0)

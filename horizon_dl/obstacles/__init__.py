@@ -1,1 +1,0 @@
-"""From a score map to obstacles."""

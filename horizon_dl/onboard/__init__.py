@@ -1,1 +1,0 @@
-"""What runs on the drone: numpy and onnxruntime alone."""

@@ -1,0 +1,1 @@
+"""A run over a stream: guard, pace, run directory, logs, periodic export."""

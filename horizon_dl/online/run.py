@@ -1,0 +1,265 @@
+"""Learning from a stream in one pass: every frame is predicted, scored, then learned from."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+from safetensors import SafetensorError
+from tqdm import tqdm
+
+from horizon_dl.config import Config
+from horizon_dl.data.any_view import any_view
+from horizon_dl.data.capture.stream import Arrival, Stream
+from horizon_dl.data.frame import Recording
+from horizon_dl.data.view import View
+from horizon_dl.errors import InputError
+from horizon_dl.online.figures import OnlineFigures
+from horizon_dl.online.guard import Distrust, StreamGuard
+from horizon_dl.online.periodic_export import HotExport
+from horizon_dl.online.run_directory import RunKeeper
+from horizon_dl.output import output_folder, write_json
+from horizon_dl.training.checkpoint import Snapshot
+from horizon_dl.training.online.learner import OnlineLearner, mean_loss
+from horizon_dl.training.run_folder import Run, save_run
+
+RATE_MEMORY = 0.9
+
+
+@dataclass
+class Seen:
+    """A frame that was predicted.
+
+    Attributes:
+        arrival: the frame.
+        view: at the working size; None where the image could not be read.
+        not_learned: why it is not learned from, or None.
+        predict_s: time the prediction took.
+        learn_s: time learning from it took.
+        loss: mean over its steps, nats, or None.
+        settled: nothing more happens to it.
+    """
+
+    arrival: Arrival
+    view: View | None
+    not_learned: str | None
+    predict_s: float = 0.0
+    learn_s: float = 0.0
+    loss: float | None = None
+    settled: bool = False
+
+
+class OnlineRun:
+    """One run over a stream, which goes on from the checkpoint in its folder if there is one.
+
+    Args:
+        stream: where frames come from.
+        config: must be that of the checkpoint.
+        folder: of the run.
+        recording: of the stream, where it is one, for range truth.
+        max_frames: of the stream, counted from its beginning.
+        export_every_s: seconds between fresh model files; None: no files.
+        restart: throw an earlier run in the folder away.
+        progress: show a progress bar.
+
+    Raises:
+        InputError: the folder cannot be written, or holds a checkpoint of something else.
+    """
+
+    def __init__(
+        self,
+        stream: Stream,
+        config: Config,
+        folder: Path,
+        *,
+        recording: Recording | None = None,
+        max_frames: int | None = None,
+        export_every_s: float | None = None,
+        restart: bool = False,
+        progress: bool = False,
+    ) -> None:
+        self.stream, self.config, self.folder = stream, config, folder
+        self.learner = OnlineLearner(config, config.seed)
+        self.guard = StreamGuard()
+        self.figures = OnlineFigures(config, recording)
+        self.keeper = RunKeeper(folder, stream, config, restart=restart)
+        self.stopped = False
+        self._max_frames = max_frames
+        self._export = None if export_every_s is None else HotExport(folder, stream.camera, export_every_s)
+        if self.keeper.found is not None:
+            self._restore(self.keeper.found)
+        self.position = self.keeper.position
+        if self.keeper.found is None:
+            self.keeper.save_first(self._snapshot())
+        self.keeper.found = None  # its tensors are in use or copied: a replay memory is not held twice
+        total = stream.count if max_frames is None else min(max_frames, stream.count or max_frames)
+        self._bar = tqdm(
+            desc="online", total=total, initial=self.position, unit="frame", disable=not progress
+        )
+        self._rate_hz: float | None = None
+        self._last_s = time.perf_counter()
+
+    def arrivals(self) -> Iterator[Arrival]:
+        """The frames that are left."""
+        left = None if self._max_frames is None else max(0, self._max_frames - self.position)
+        return islice(self.stream.arrivals(self.position), left)
+
+    def run(self) -> None:
+        """Predict and learn from every frame that is left, as fast as it goes."""
+        for arrival in self.arrivals():
+            seen = self.see(arrival)
+            for _ in self.learning(seen):
+                pass
+            self.settle(seen)
+            if self.keeper.due(self.position):
+                self.save()
+            if self.stopped:
+                break
+
+    def stop(self) -> None:
+        """End after the frame at work; from any thread or a signal."""
+        self.stopped = True
+
+    def see(self, arrival: Arrival) -> Seen:
+        """Predict a frame, score the prediction, and judge whether to learn from it."""
+        self.figures.seen += 1
+        frame = arrival.frame
+        if frame is None:
+            return Seen(arrival, None, Distrust.UNREADABLE)
+        view = any_view(frame, self.config.image.max_pixels)
+        start = time.perf_counter()
+        found = self.learner.predict(view)
+        took_s = time.perf_counter() - start
+        self.figures.timed(took_s)
+        reason = self.guard.check(frame)
+        if reason is None or not reason.spoils_horizon:
+            self.figures.predicted_frame(arrival.index, frame, view, found, self.learner.net)
+        return Seen(arrival, view, reason, took_s)
+
+    def learning(self, seen: Seen) -> Iterator[None]:
+        """Learn from a frame if it can be trusted, one step at a time."""
+        if seen.not_learned is not None or seen.view is None:
+            return
+        losses: list[float] = []
+        steps = self.learner.steps(seen.view)
+        while True:
+            start = time.perf_counter()
+            loss = next(steps, None)
+            seen.learn_s += time.perf_counter() - start
+            if loss is None:
+                break
+            losses.append(loss)
+            yield
+        self.figures.tally.train_s += seen.learn_s
+        seen.loss = mean_loss(losses)
+
+    def settle(self, seen: Seen) -> None:
+        """Close a frame: count it, write its line, move the bar; frames are settled in their order."""
+        seen.settled = True
+        self.position = seen.arrival.index + 1
+        self.figures.settled(seen.not_learned)
+        now_s = time.perf_counter()
+        rate = 1.0 / max(now_s - self._last_s, 1e-6)
+        self._rate_hz = (
+            rate if self._rate_hz is None else RATE_MEMORY * self._rate_hz + (1 - RATE_MEMORY) * rate
+        )
+        self._last_s = now_s
+        line = self._line(seen)
+        self.keeper.line(line, seen.arrival.index)
+        shown = {"accuracy": line["horizon_accuracy"], "loss": line["loss"]}
+        self._bar.set_postfix({k: f"{v:.3f}" for k, v in shown.items() if v is not None}, refresh=False)
+        self._bar.update()
+        if self._export is not None and self.figures.learned:
+            self._export.offer(lambda: self.learner.frozen(self._info()))
+
+    def save(self) -> bool:
+        """Write a checkpoint; every frame seen must be settled."""
+        return self.keeper.save(self.position, self._snapshot())
+
+    def finish(self, **more: Any) -> Run:
+        """Write the last checkpoint and make the folder one that `evaluate`, `predict` and `export` take.
+
+        Args:
+            more: further entries of run.json.
+
+        Raises:
+            InputError: no frame could be learned from, or the folder cannot be written.
+        """
+        self._bar.close()
+        self.save()
+        self.keeper.close()
+        if not self.figures.learned:
+            reasons = ", ".join(f"{reason}: {n}" for reason, n in self.figures.reasons.items())
+            problem = f"has no frame to learn from ({reasons or 'it is empty'})"
+            raise InputError(self.stream.name, problem, "see `horizon-dl check-data`")
+        run = self.learner.frozen({**self._info(), **more})()
+        try:
+            with output_folder(self.folder) as folder:
+                save_run(folder, run)
+                write_json(folder / "metrics.json", self.figures.metrics(self.stream.name))
+        except (OSError, SafetensorError) as error:
+            problem = f"cannot be written ({getattr(error, 'strerror', None) or error})"
+            raise InputError(self.folder, problem, "make room; the same command then goes on") from None
+        if self._export is not None:
+            self._export.finish(run)
+            if self._export.problem is not None:
+                self.keeper.say(f"{self._export.failed} exports failed ({self._export.problem})")
+        return run
+
+    def _info(self) -> dict[str, Any]:
+        return {
+            "data": self.stream.name,
+            "format": self.stream.format,
+            "camera": asdict(self.stream.camera),
+            "frames": self.figures.learned,
+            "online": {
+                **self.figures.counts(),
+                "dropped_steps": self.learner.dropped,
+                "remembered": len(self.learner.memory),
+                "checkpoints_failed": self.keeper.failed,
+            },
+            "train_s": self.figures.tally.train_s,
+        }
+
+    def _line(self, seen: Seen) -> dict[str, Any]:
+        auc, within = self.figures.auc()
+        return {
+            "index": seen.arrival.index,
+            "name": seen.arrival.name,
+            "time_s": finite(seen.arrival.time_s),
+            "learned": seen.not_learned is None,
+            "not_learned": seen.not_learned,
+            "loss": finite(seen.loss),
+            "horizon_accuracy": self.figures.sides.horizon_accuracy,
+            "calibration_error": self.figures.sides.calibration_error,
+            "auc": auc,
+            "auc_within_depression": within,
+            "predict_ms": 1e3 * seen.predict_s,
+            "learn_ms": 1e3 * seen.learn_s,
+            "frames_per_s": self._rate_hz,
+        }
+
+    def _snapshot(self) -> Snapshot:
+        return Snapshot.join(
+            {
+                "learner": self.learner.snapshot(),
+                "guard": self.guard.snapshot(),
+                "figures": self.figures.snapshot(),
+            }
+        )
+
+    def _restore(self, snapshot: Snapshot) -> None:
+        try:
+            self.learner.restore(snapshot.part("learner"))
+            self.guard.restore(snapshot.part("guard"))
+            self.figures.restore(snapshot.part("figures"))
+        except (KeyError, ValueError, TypeError, RuntimeError) as error:
+            problem = f"holds a checkpoint that does not fit ({type(error).__name__})"
+            raise InputError(self.folder, problem, "start anew with --restart") from None
+
+
+def finite(number: float | None) -> float | None:
+    """The number; None for NaN and infinities, which JSON does not know."""
+    return number if number is not None and abs(number) < float("inf") else None

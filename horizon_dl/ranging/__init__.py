@@ -1,0 +1,1 @@
+"""Free distances over bearings: ground contact, filter in time, heading."""

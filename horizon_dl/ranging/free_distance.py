@@ -1,0 +1,297 @@
+"""Free distance per bearing: the paper's visual sonar.
+
+On a flat floor the depression `a` of an obstacle's ground contact gives its distance, `height / tan(a)`.
+Source: arXiv:1806.08007, section on obstacle distance; the error terms are that formula's derivatives.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.geometry.polar import PolarView
+from horizon_dl.ranging.contact import (
+    RiseRules,
+    Rows,
+    connected_to_horizon,
+    first_contact,
+    first_rise,
+    floor_level,
+)
+
+Floats = NDArray[np.float32]
+Mask = NDArray[np.bool_]
+
+SURE = 1e-3
+
+
+class Outcome(IntEnum):
+    """What is known of a bearing."""
+
+    UNKNOWN = 0  # outside the view, no ground visible, or no attitude
+    FREE = 1  # free from the nearest visible ground to the farthest
+    OBSTACLE = 2
+
+
+@dataclass(frozen=True)
+class RangingRules:
+    """When a run of obstacle cells counts as an obstacle, and how sure its distance is.
+
+    Attributes:
+        extent_rad: height of the window in which obstacle cells must prevail; lower specks are no obstacle,
+            lower gaps are bridged.
+        share: share of the window's cells that must be obstacle.
+        horizon_rad: a connected obstacle reaches to this close to the horizon.
+        unseen_rad: this close to the horizon nothing is asked: there the attitude's error decides the side,
+            and every map is unsure.
+        cell_share: share of a cell's pixels that make it an obstacle cell; well under a half, for the sake of
+            poles narrower than a sector.
+        attitude_sd_rad: standard deviation of roll and pitch.
+        height_sd: relative standard deviation of the height.
+        rise: for `free_distances_from_p`; the window and its share are for maps.
+    """
+
+    extent_rad: float = math.radians(1.5)
+    share: float = 0.6
+    horizon_rad: float = math.radians(2.0)
+    unseen_rad: float = math.radians(1.0)
+    cell_share: float = 0.2
+    attitude_sd_rad: float = math.radians(0.5)
+    height_sd: float = 0.03
+    rise: RiseRules = field(default_factory=RiseRules)
+
+
+@dataclass(frozen=True)
+class FreeDistances:
+    """What is known in each bearing; arrays (sectors,).
+
+    Attributes:
+        bearing_rad: middle of the sector, clockwise from straight ahead.
+        outcome: of `Outcome`.
+        distance_m: level distance from the camera to the obstacle's ground contact; where free, that of the
+            farthest ground in view: inf up to the horizon, less where the camera looks down. NaN where
+            unknown, and without a height.
+        sd_m: its standard deviation; NaN where there is no finite distance.
+        depression_rad: of the contact, or of the farthest ground in view where free; NaN where unknown.
+        contact_seen: False where the obstacle covers the nearest visible ground: it is at most that far away.
+        nearest_rad: depression of the nearest ground that the camera sees; 0 outside of its view.
+    """
+
+    bearing_rad: Floats
+    outcome: NDArray[np.uint8]
+    distance_m: Floats
+    sd_m: Floats
+    depression_rad: Floats
+    contact_seen: Mask
+    nearest_rad: Floats
+
+
+def free_distances(
+    obstacle: Mask,
+    polar: PolarView,
+    height_m: float | None,
+    *,
+    known: Mask | None = None,
+    connected_only: bool = False,
+    rules: RangingRules | None = None,
+) -> FreeDistances:
+    """Walk up each bearing from the nearest visible ground to the first obstacle.
+
+    Args:
+        obstacle: (h, w), the obstacle map.
+        polar: the same frame's cells.
+        height_m: of the camera over the floor; None or not positive: bearings only, no metres.
+        known: (h, w), pixels that say anything; all if left out.
+        connected_only: leave out obstacles that do not reach the horizon (mats, paint).
+        rules: thresholds and error sizes.
+
+    Returns:
+        One entry a sector. A walk that meets no obstacle ends `FREE`; a sector whose visible cells are fewer
+        than the window is high is `UNKNOWN`.
+    """
+    rules = rules or RangingRules()
+    pixels = polar.pixels if known is None else polar.counts(known)
+    seen = pixels > 0
+    covered = polar.counts(obstacle if known is None else obstacle & known)
+    cells = seen & (covered >= rules.cell_share * pixels)
+    if connected_only:
+        cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
+    window, unseen = _window_and_unseen(polar, rules)
+    contact = first_contact(cells, seen, window, rules.share, unseen)
+    return _from_contacts(polar, seen, cells, contact, height_m, rules)
+
+
+def free_distances_from_p(
+    p_above: Floats,
+    polar: PolarView,
+    height_m: float | None,
+    *,
+    floor_p: float | None = None,
+    connected_only: bool = False,
+    rules: RangingRules | None = None,
+) -> FreeDistances:
+    """The same from `p_above` itself: the contact is where it rises from the floor's level.
+
+    One threshold for all frames does not serve: the floor's level differs between frames and bearings by as
+    much as it rises at an obstacle's foot.
+
+    Args:
+        p_above: (h, w) in [0, 1], NaN where nothing is said.
+        polar: the same frame's cells.
+        height_m: see `free_distances`.
+        floor_p: `p_above` that a floor has at most (`p_of_entropy` of the paper's threshold); without it a
+            frame full of wall passes for floor.
+        connected_only: see `free_distances`.
+        rules: see `free_distances`.
+    """
+    rules = rules or RangingRules()
+    mean, seen = polar.means(p_above)
+    logit = _logit(mean)
+    _, unseen = _window_and_unseen(polar, rules)
+    level = floor_level(logit[:, unseen:], seen[:, unseen:], _usual(floor_p), rules.rise)
+    contact, alarm, floor = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
+    cells = seen & (logit > floor[:, None] + rules.rise.rise)
+    if connected_only:
+        cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
+        logit = np.where(cells, logit, np.minimum(logit, floor[:, None]))
+        contact, alarm, _ = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
+    # A slow rise leaves the contact in doubt by all its length.
+    return _from_contacts(polar, seen, cells, contact, height_m, rules, (contact - alarm).astype(np.float32))
+
+
+def p_of_entropy(entropy: float) -> float:
+    """The p in [0, 1/2] of a binary entropy in bits.
+
+    Example:
+        >>> round(p_of_entropy(0.4690), 3)
+        0.1
+    """
+    p = np.linspace(1e-6, 0.5, 20001)
+    return float(np.interp(entropy, -p * np.log2(p) - (1 - p) * np.log2(1 - p), p))
+
+
+def no_distances(bearing_rad: Floats) -> FreeDistances:
+    """`UNKNOWN` everywhere: what holds without an attitude or a picture."""
+    nothing = np.full(len(bearing_rad), np.nan, np.float32)
+    outcome = np.full(len(bearing_rad), Outcome.UNKNOWN, np.uint8)
+    unseen = np.zeros(len(bearing_rad), np.bool_)
+    zero = np.zeros(len(bearing_rad), np.float32)
+    return FreeDistances(bearing_rad, outcome, nothing, nothing, nothing, unseen, zero)
+
+
+def _usual(floor_p: float | None) -> float | None:
+    return None if floor_p is None else float(_logit(np.array([floor_p], np.float32))[0])
+
+
+def _logit(p: Floats) -> Floats:
+    clipped = np.clip(p, SURE, 1 - SURE)
+    return np.asarray(np.log(clipped / (1 - clipped)), np.float32)
+
+
+def _window_and_unseen(polar: PolarView, rules: RangingRules) -> tuple[int, int]:
+    unseen = min(_rows(rules.unseen_rad, polar), polar.rows - 1)
+    return max(1, _rows(rules.extent_rad, polar)), unseen
+
+
+def _from_contacts(
+    polar: PolarView,
+    seen: Mask,
+    cells: Mask,
+    contact: Rows,
+    height_m: float | None,
+    rules: RangingRules,
+    doubt: NDArray[np.floating] | float = 0.0,
+) -> FreeDistances:
+    window, unseen = _window_and_unseen(polar, rules)
+    visible = _nearest_rows(seen)
+    outcome = np.where(contact >= 0, Outcome.OBSTACLE, Outcome.FREE).astype(np.uint8)
+    outcome[visible < window + unseen] = Outcome.UNKNOWN
+    doubt = doubt + _doubtful_rows(cells, seen, contact, window)
+    gap = _rows_to_ground(seen, contact)
+    edge = np.where(contact < visible - 1, contact + (1 + gap) / 2, contact + 1)
+    # Where the camera looks down, what stands behind the farthest ground in view was not looked at.
+    farthest = _farthest_rows(seen)
+    edge = np.where(contact >= 0, edge, np.where(farthest > window + unseen, farthest, 0))
+    found = _in_metres(polar, outcome, edge, doubt + gap / 2, height_m, rules)
+    # A strip lower than half a window may be noise at the picture's rim.
+    return replace(found, contact_seen=found.contact_seen & (contact < visible - 1 - window // 2))
+
+
+def _rows(angle_rad: float, polar: PolarView) -> int:
+    return round(angle_rad / polar.row_step_rad)
+
+
+def _nearest_rows(seen: Mask) -> Rows:
+    """(sectors,) one more than the last row that is seen, 0 for none."""
+    return np.asarray(np.where(seen, np.arange(1, seen.shape[1] + 1), 0).max(axis=1))
+
+
+def _farthest_rows(seen: Mask) -> Rows:
+    """(sectors,) the first row that is seen, there or in a neighbour: coarse pixels leave cells empty."""
+    own = np.where(seen.any(axis=1), seen.argmax(axis=1), seen.shape[1])
+    left, right = np.roll(own, 1), np.roll(own, -1)
+    left[0], right[-1] = own[0], own[-1]
+    return np.asarray(np.minimum(own, np.minimum(left, right)))
+
+
+def _rows_to_ground(seen: Mask, contact: Rows) -> Rows:
+    """(sectors,) rows from the contact's down to the next one that is seen; 1 in a map without gaps."""
+    rows = np.arange(seen.shape[1])
+    below = seen & (rows > contact[:, None])
+    return np.where(below.any(axis=1), below.argmax(axis=1) - contact, 1)
+
+
+def _doubtful_rows(obstacle: Mask, seen: Mask, contact: Rows, window: int) -> NDArray[np.float32]:
+    """(sectors,) cells within a window of the contact that contradict it: obstacle below, floor above."""
+    rows = np.arange(obstacle.shape[1])
+    away = rows[None] - contact[:, None]
+    below = obstacle & (away > 0) & (away <= window)
+    above = ~obstacle & seen & (away <= 0) & (away > -window)
+    return np.asarray((below | above).sum(axis=1), np.float32)
+
+
+def _in_metres(
+    polar: PolarView,
+    outcome: NDArray[np.uint8],
+    edge_rows: NDArray[np.floating],
+    doubtful_rows: NDArray[np.floating],
+    height_m: float | None,
+    rules: RangingRules,
+) -> FreeDistances:
+    depression = np.where(outcome != Outcome.UNKNOWN, edge_rows * polar.row_step_rad, np.nan)
+    to_horizon = depression == 0.0
+    height = height_m if height_m is not None and height_m > 0 else math.nan
+    distance = height / np.tan(np.where(to_horizon, np.nan, depression))
+    sd = distance_sd(distance, height, polar.row_step_rad * (0.5 + doubtful_rows), rules)
+    return FreeDistances(
+        polar.bearings.centres_rad,
+        outcome,
+        np.where(to_horizon, np.inf, distance).astype(np.float32),
+        sd.astype(np.float32),
+        depression.astype(np.float32),
+        outcome == Outcome.OBSTACLE,
+        (_nearest_rows(polar.pixels > 0) * polar.row_step_rad).astype(np.float32),
+    )
+
+
+def distance_sd(
+    distance_m: NDArray[np.floating],
+    height_m: float,
+    contact_sd_rad: NDArray[np.floating],
+    rules: RangingRules,
+) -> NDArray[np.float64]:
+    """Standard deviation of `height / tan(depression)`, m.
+
+    The derivative by the depression is `-(distance^2 + height^2) / height`.
+
+    Args:
+        distance_m: (N,).
+        height_m: of the camera.
+        contact_sd_rad: (N,) of the contact in the image: pixel size and the map's doubt.
+        rules: the attitude's and the height's part.
+    """
+    slope = (np.square(distance_m, dtype=np.float64) + height_m**2) / height_m
+    angle_sd = np.hypot(contact_sd_rad, rules.attitude_sd_rad)
+    return np.asarray(np.hypot(slope * angle_sd, distance_m * rules.height_sd))

@@ -1,0 +1,214 @@
+"""The onboard loop: pictures in, obstacle distances out, on a fixed timer, with a watchdog.
+
+Four threads: pictures, the autopilot's messages, the model (the caller's), and the timer that sends. The
+timer sends in any case; whenever the watchdog is not content it sends "unknown".
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.capture.camera import LatestPicture, Picture
+from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation, up_in_camera
+from horizon_dl.ranging.free_distance import FreeDistances
+from horizon_dl.runtime.latency import Latencies
+from horizon_dl.runtime.perception import Sighting
+from horizon_dl.runtime.watchdog import Clock, Watchdog
+from horizon_dl.vehicle.mavlink import INFO, WARNING, Link
+from horizon_dl.vehicle.obstacle_distance import MessageShape, distances_cm
+from horizon_dl.vehicle.telemetry import Autopilot
+
+
+@dataclass(frozen=True)
+class FlySettings:
+    """How the loop runs.
+
+    Attributes:
+        rate_hz: of OBSTACLE_DISTANCE.
+        shape: of the message.
+        mount_rpy_rad: of the camera in the body.
+        recorded_attitude: take attitude and height from the pictures, not from the autopilot.
+        height_m: fixed height of the camera, or None.
+    """
+
+    rate_hz: float = 20.0
+    shape: MessageShape = field(default_factory=MessageShape)
+    mount_rpy_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    recorded_attitude: bool = False
+    height_m: float | None = None
+
+
+@dataclass(frozen=True)
+class _Sighted:
+    time_s: float
+    found: FreeDistances | None
+
+
+class Fly:
+    """One flight.
+
+    Attributes:
+        watchdog: of this flight.
+        autopilot: what its messages told.
+        latencies: from the picture's time to its first message.
+        periods: between messages.
+        sent: messages that have left; `unsent` could not.
+        unknown: messages that said "unknown" because of the watchdog.
+        without_attitude: pictures for whose time there was none; an autopilot has to send 10 a second.
+    """
+
+    def __init__(
+        self, sighting: Sighting, link: Link, settings: FlySettings, clock: Clock = time.monotonic
+    ) -> None:
+        self.watchdog = Watchdog(clock)
+        self.autopilot = Autopilot(clock, self.watchdog.attitude)
+        self.latencies, self.periods = Latencies(), Latencies()
+        self.sent = self.unsent = self.unknown = self.looked_at = self.without_attitude = 0
+        self.pictures_seen = self.pictures_skipped = 0
+        self._sighting, self._link, self._settings, self._clock = sighting, link, settings, clock
+        self._newest = _Sighted(-np.inf, None)
+        self._reported_s = -np.inf
+        self._stop = threading.Event()
+        self._error: Exception | None = None
+
+    def run(self, pictures: Iterator[Picture], duration_s: float | None = None) -> None:
+        """Fly until the pictures end, the time is over, or `stop` is called; the last message is "unknown".
+
+        Raises:
+            Exception: whatever ended the pictures, such as InputError for a camera that is not there.
+        """
+        slot = LatestPicture(pictures, self.watchdog.camera)
+        threads = [
+            threading.Thread(target=self._guarded, args=(target,), name=name, daemon=True)
+            for target, name in ((self._listen, "autopilot"), (self._report, "timer"))
+        ]
+        end_s = np.inf if duration_s is None else self._clock() + duration_s
+        for thread in threads:
+            thread.start()
+        slot.start()
+        try:
+            while not (self._stop.is_set() or self._clock() >= end_s):
+                picture = slot.take(0.1)
+                if picture is not None:
+                    self.look(picture)
+                elif slot.ended:
+                    break
+        finally:
+            self._stop.set()
+            listener, timer = threads
+            timer.join(2.0)  # so that no distance follows the last word
+            self._link.send_distances(
+                self._clock(), distances_cm(None, self._settings.shape), self._settings.shape
+            )
+            self._link.send_text("Obstacles unknown: stopped", WARNING)
+            listener.join(2.0)
+            slot.stop()
+        self.pictures_seen, self.pictures_skipped = slot.seen, slot.skipped
+        error = self._error or slot.error
+        if error is not None:
+            raise error
+
+    def stop(self) -> None:
+        """End the flight soon; from any thread."""
+        self._stop.set()
+
+    def look(self, picture: Picture) -> None:
+        """One picture to sectors; an error of the model is the watchdog's, not the loop's."""
+        pose = self._pose(picture)
+        if pose is None:
+            self.without_attitude += 1
+            self._newest = _Sighted(picture.time_s, None)
+            return
+        up_cam, yaw_rad, height_m = pose
+        floor = picture.floor_up_cam if self._settings.recorded_attitude else None
+        try:
+            found = self._sighting.look(picture.time_s, picture.image, up_cam, yaw_rad, height_m, floor)
+        except Exception as error:  # onnxruntime raises kinds of its own; flying on blind would be worse
+            self.watchdog.model_failed(type(error).__name__)
+            self._newest = _Sighted(picture.time_s, None)
+            return
+        self.looked_at += 1
+        self._newest = _Sighted(picture.time_s, found)
+        self.watchdog.result(picture.time_s)
+
+    def message_cm(self) -> NDArray[np.uint16]:
+        """(72,) what is to be sent now."""
+        newest = self._newest
+        if self.watchdog.troubles():
+            self.unknown += 1
+            return distances_cm(None, self._settings.shape)
+        return distances_cm(newest.found, self._settings.shape)
+
+    def summary(self) -> dict[str, Any]:
+        """Figures of the flight so far, ready for JSON."""
+        return {
+            "messages": {"sent": self.sent, "unsent": self.unsent, "unknown": self.unknown},
+            "latency": self.latencies.summary(),
+            "period": self.periods.summary(),
+            "pictures": {
+                "seen": self.pictures_seen,
+                "skipped": self.pictures_skipped,
+                "looked_at": self.looked_at,
+                "without_attitude": self.without_attitude,
+            },
+            "filter_delay_s": self._sighting.filter.delay_s,
+            "received": dict(self._link.counts),
+            "heartbeats": self.autopilot.heartbeats,
+        }
+
+    def _pose(self, picture: Picture) -> tuple[NDArray[np.float64], float, float | None] | None:
+        """`up_cam`, yaw and height at the picture's time; None where the attitude is not known."""
+        fixed_m = self._settings.height_m
+        if self._settings.recorded_attitude:
+            if picture.up_cam is None:
+                return None
+            self.watchdog.attitude()
+            return picture.up_cam, 0.0, picture.height_m if fixed_m is None else fixed_m
+        attitude = self.autopilot.attitude_at(picture.time_s, self._stop)
+        if attitude is None:
+            return None
+        yaw_rad = rpy_from_rotation(rotation_from_quaternion(attitude))[2]
+        height_m = self.autopilot.buffer.height_at(picture.time_s) if fixed_m is None else fixed_m
+        return up_in_camera(attitude, self._settings.mount_rpy_rad), yaw_rad, height_m
+
+    def _guarded(self, target: Callable[[], None]) -> None:
+        """A thread that dies must not go unnoticed: the flight ends and says why."""
+        try:
+            target()
+        except Exception as error:  # whatever it was
+            self._error = error
+            self._stop.set()
+
+    def _listen(self) -> None:
+        self.autopilot.listen(self._link, self._stop)
+
+    def _report(self) -> None:
+        period_s = 1.0 / self._settings.rate_hz
+        due_s = self._clock()
+        last_s = -np.inf
+        while not self._stop.is_set():
+            now = self._clock()
+            self._send(last_s)
+            last_s = now
+            due_s = max(due_s + period_s, now)
+            self._stop.wait(max(0.0, due_s - self._clock()))
+
+    def _send(self, last_s: float) -> None:
+        newest, unknown = self._newest, self.unknown
+        cm, now = self.message_cm(), self._clock()
+        has_left = self._link.send_distances(newest.time_s if newest.found else now, cm, self._settings.shape)
+        self.sent += has_left
+        self.unsent += not has_left
+        if np.isfinite(last_s):
+            self.periods.add(now - last_s)
+        if newest.found is not None and newest.time_s > self._reported_s and self.unknown == unknown:
+            self.latencies.add(self._clock() - newest.time_s)
+            self._reported_s = newest.time_s
+        line = self.watchdog.to_say()
+        if line is not None:
+            self._link.send_text(line, WARNING if self.watchdog.troubles() else INFO)

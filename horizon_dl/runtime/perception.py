@@ -1,0 +1,106 @@
+"""From one picture and its attitude to sectors: the model, ranging and the temporal filter."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.polar import Bearings, bearings_for, polar_view
+from horizon_dl.ranging.free_distance import FreeDistances, free_distances_from_p, no_distances, p_of_entropy
+from horizon_dl.ranging.temporal_filter import SectorFilter
+
+
+class PictureModel(Protocol):
+    """What is needed of a model; `ObstacleModel` has it."""
+
+    camera: Camera
+    threshold: float
+
+    def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Any:
+        """An object with `p_above` and `elevation`, (h, w) each."""
+
+
+def model_rays(model: PictureModel) -> NDArray[np.float32]:
+    """(h, w, 3) unit rays of a model's working size, optical frame, NaN where not valid.
+
+    The rays are inside the model file. The elevation over each axis taken for "up" is the arc sine of that
+    component, so three predictions give them without a lens model on board.
+    """
+    black = np.zeros((model.camera.height, model.camera.width, 3), np.uint8)
+    parts = [np.sin(model.predict(black, axis).elevation) for axis in np.eye(3, dtype=np.float32)]
+    rays = np.stack(parts, axis=-1)
+    return np.asarray(rays / np.linalg.norm(rays, axis=-1, keepdims=True), np.float32)
+
+
+def forward_in_camera(mount_rpy_rad: Sequence[float]) -> NDArray[np.float64]:
+    """(3,) the body's forward axis in the optical frame."""
+    return np.asarray(OPTICAL_FROM_FRD @ rotation_from_rpy(*mount_rpy_rad).T @ [1.0, 0.0, 0.0])
+
+
+@dataclass
+class Sighting:
+    """Looks at one picture after the other.
+
+    Attributes:
+        model: the loaded model.
+        rays: of `model_rays`.
+        forward_cam: the body's forward axis in the optical frame.
+        bearings: sectors, zero is the body's forward direction.
+        filter: joins the last frames.
+        connected_only: leave out obstacles that do not reach the horizon.
+    """
+
+    model: PictureModel
+    rays: NDArray[np.float32]
+    forward_cam: NDArray[np.float64]
+    bearings: Bearings
+    filter: SectorFilter
+    connected_only: bool = False
+
+    @classmethod
+    def of(cls, model: PictureModel, mount_rpy_rad: Sequence[float], frames: int = 3) -> "Sighting":
+        """Everything that does not change during a flight."""
+        rays, forward_cam = model_rays(model), forward_in_camera(mount_rpy_rad)
+        return cls(model, rays, forward_cam, bearings_for(rays, forward_cam), SectorFilter(frames))
+
+    def unknown(self) -> FreeDistances:
+        """What holds of a picture without attitude."""
+        return no_distances(self.bearings.centres_rad)
+
+    def look(
+        self,
+        time_s: float,
+        image: NDArray[np.uint8],
+        up_cam: NDArray[np.float64],
+        yaw_rad: float,
+        height_m: float | None,
+        floor_up_cam: NDArray[np.float64] | None = None,
+    ) -> FreeDistances:
+        """Sectors of one picture, joined with those before.
+
+        Args:
+            time_s: of the picture.
+            image: (H, W, 3) uint8 RGB of the model's camera.
+            up_cam: (3,) unit, the world's up in the optical frame.
+            yaw_rad: of the body; only differences between pictures count.
+            height_m: of the camera over the floor, or None: bearings only.
+            floor_up_cam: (3,) the floor's normal where it differs from `up_cam`.
+        """
+        p_above = self.model.predict(image, up_cam).p_above
+        floor = up_cam if floor_up_cam is None else floor_up_cam
+        try:
+            polar = polar_view(self.rays, floor, self.forward_cam, self.bearings)
+        except ValueError:  # the body points straight up or down: no bearing means anything
+            return self.unknown()
+        found = free_distances_from_p(
+            p_above,
+            polar,
+            height_m,
+            floor_p=p_of_entropy(self.model.threshold),
+            connected_only=self.connected_only,
+        )
+        return self.filter.add(time_s, yaw_rad, found)

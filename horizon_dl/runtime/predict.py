@@ -1,0 +1,135 @@
+"""A model file on a data set or on plain pictures, without torch."""
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from math import isclose
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.frame import Recording
+from horizon_dl.data.images import load_frame, load_rgb
+from horizon_dl.data.source import Source
+from horizon_dl.errors import FrameError, InputError
+from horizon_dl.geometry.camera import Camera
+from horizon_dl.runtime.model import ObstacleModel, Outputs
+from horizon_dl.runtime.perception import model_rays
+from horizon_dl.visualization.colours import Image
+from horizon_dl.visualization.panels import PanelRow, frame_panel
+from horizon_dl.visualization.range_picture import range_picture
+
+
+@dataclass(frozen=True)
+class FileOutputs:
+    """What a model file says of one frame.
+
+    Attributes:
+        name: the frame's name.
+        image: (H, W, 3) uint8 RGB.
+        outputs: of the model.
+        truth: (H, W) uint8, or None.
+        ranges: distances per bearing, drawn; None without attitude or height.
+    """
+
+    name: str
+    image: NDArray[np.uint8]
+    outputs: Outputs
+    truth: NDArray[np.uint8] | None = None
+    ranges: Image | None = None
+
+    def arrays(self) -> dict[str, Any]:
+        """All maps by name at the working size, the float ones as float16, as a run folder gives them."""
+        maps = {
+            name: value
+            for name, value in vars(self.outputs).items()
+            if name not in ("elevation", "obstacles")
+        }
+        small = {name: value.astype(np.float16) for name, value in maps.items()}
+        return {**small, "obstacles": self.small_obstacles(), "elevation_rad": self.outputs.elevation}
+
+    def small_obstacles(self) -> NDArray[np.bool_]:
+        """The obstacle map at the working size, which the model enlarged by repeating pixels."""
+        (height, width), small = self.outputs.obstacles.shape, self.outputs.entropy.shape
+        rows = ((np.arange(small[0]) + 0.5) * (height / small[0])).astype(int)
+        columns = ((np.arange(small[1]) + 0.5) * (width / small[1])).astype(int)
+        return self.outputs.obstacles[np.ix_(rows, columns)]
+
+    def panel(self) -> Image:
+        """Image, classification, uncertainty, obstacle map; distances and truth where there are any."""
+        found = self.outputs
+        row = PanelRow("", found.p_above, found.entropy, self.small_obstacles(), ranges=self.ranges)
+        return frame_panel(self.image, found.elevation, [row], self.truth, title=self.name)
+
+
+def predict_source(model: ObstacleModel, source: Source) -> Iterator[FileOutputs | FrameError]:
+    """Every frame, or the error of one that cannot be used.
+
+    Raises:
+        InputError: the data set was taken with another camera than the model was exported for.
+    """
+    if isinstance(source, Recording):
+        check_camera(model, source.camera, source.name)
+        rays = model_rays(model)
+        yield from (_of_entry(model, rays, source, index) for index in range(len(source.entries)))
+    else:
+        yield from (_of_picture(model, path) for path in source)
+
+
+def check_camera(model: ObstacleModel, camera: Camera, where: str | Path) -> None:
+    """InputError unless the camera, of a recording or a file, is the model's, whose rays are in it."""
+    if same_camera(model.camera, camera):
+        return
+    ours, theirs = _size(model.camera), _size(camera)
+    sizes = f" ({theirs} pixels; the model takes {ours})" if ours != theirs else ""
+    raise InputError(
+        where,
+        f"is of another camera than the model was exported for{sizes}",
+        "export for this camera with `horizon-dl export RUN --camera DATA`",
+    )
+
+
+def same_camera(one: Camera, other: Camera) -> bool:
+    """Whether two cameras are equal up to rounding in files."""
+    first, second = _numbers(one), _numbers(other)
+    same_kind = one.model == other.model and len(first) == len(second)
+    return same_kind and all(
+        isclose(a, b, rel_tol=1e-6, abs_tol=1e-9) for a, b in zip(first, second, strict=True)
+    )
+
+
+def _numbers(camera: Camera) -> list[float]:
+    fields = asdict(camera)
+    return [float(v) for key, v in fields.items() if key not in ("model", "distortion")] + list(
+        camera.distortion
+    )
+
+
+def _size(camera: Camera) -> str:
+    return f"{camera.width}x{camera.height}"
+
+
+def _of_entry(
+    model: ObstacleModel, rays: NDArray[np.float32], recording: Recording, index: int
+) -> FileOutputs | FrameError:
+    try:
+        frame = load_frame(recording, index)
+    except FrameError as error:
+        return error
+    found = model.predict(frame.image, frame.up_cam)
+    ranges = None
+    if frame.height_m is not None:
+        ranges = range_picture(frame, rays, found.p_above, model.threshold)
+    return FileOutputs(frame.name, frame.image, found, frame.truth, ranges)
+
+
+def _of_picture(model: ObstacleModel, path: Path) -> FileOutputs | FrameError:
+    try:
+        image = load_rgb(path)
+    except FrameError as error:
+        return error
+    if image.shape[:2] != (model.camera.height, model.camera.width):
+        problem = f"is {image.shape[1]}x{image.shape[0]} pixels, the model takes {_size(model.camera)}"
+        return FrameError(path, problem, "export for this size with `horizon-dl export RUN --size`")
+    return FileOutputs(path.name, image, model.predict(image, None))

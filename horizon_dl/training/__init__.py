@@ -1,0 +1,1 @@
+"""Offline training: crops, rounds, the frame store, run folders."""

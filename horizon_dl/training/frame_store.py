@@ -1,0 +1,128 @@
+"""Reading a recording for learning: what cannot be read is skipped and counted, memory is bounded."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TypeVar
+
+import numpy as np
+from tqdm import tqdm
+
+from horizon_dl.config import Config
+from horizon_dl.data.frame import Frame, Recording
+from horizon_dl.data.images import load_frame
+from horizon_dl.data.view import View, make_view
+from horizon_dl.errors import FrameError, InputError
+from horizon_dl.training.crops import TrainingFrame
+
+T = TypeVar("T")
+
+MOST_SKIPPED = 0.2
+LEAST_TRIED = 10
+
+
+class FrameStore:
+    """Frames of a recording by index, with the tally of those that had to be skipped.
+
+    Attributes:
+        skipped: reason by frame name.
+    """
+
+    def __init__(self, recording: Recording, config: Config) -> None:
+        self.recording = recording
+        self.config = config
+        self.skipped: dict[str, str] = {}
+        self._tried: set[int] = set()
+
+    def frames(self, indices: Iterable[int]) -> Iterator[tuple[Frame, View]]:
+        """The usable frames among `indices`, read one at a time; InputError as `usable`."""
+        return self.usable((index, self.read(index)) for index in indices)
+
+    def read(self, index: int) -> tuple[Frame, View] | FrameError:
+        """One frame, or why it cannot be used."""
+        try:
+            frame = load_frame(self.recording, index)
+            return frame, make_view(frame, self.config.image.max_pixels)
+        except FrameError as error:
+            return error
+
+    def usable(self, results: Iterable[tuple[int, T | FrameError]]) -> Iterator[T]:
+        """What became of frames by index, without those that cannot be used, which are counted.
+
+        Raises:
+            InputError: more than a fifth of at least ten frames, or all of fewer, cannot be used.
+        """
+        for index, result in results:
+            self._tried.add(index)
+            if isinstance(result, FrameError):
+                self.skipped[self.recording.entries[index].name] = str(result)
+                self._stop_if_too_many()
+            else:
+                yield result
+        if self._tried and len(self.skipped) >= len(self._tried):
+            self._complain()
+
+    def views(self, indices: Iterable[int]) -> Iterator[View]:
+        """The same, without the full-size frames."""
+        return (view for _, view in self.frames(indices))
+
+    def _stop_if_too_many(self) -> None:
+        if len(self._tried) >= LEAST_TRIED and len(self.skipped) > MOST_SKIPPED * len(self._tried):
+            self._complain()
+
+    def _complain(self) -> None:
+        first = next(iter(self.skipped.values()))
+        raise InputError(
+            self.recording.name,
+            f"{len(self.skipped)} of {len(self._tried)} frames cannot be used (the first: {first})",
+            "see `horizon-dl check-data` for all of them",
+        )
+
+
+class FramePool:
+    """Training frames in bounded memory.
+
+    Sets that fit are held whole. Of larger ones the pool holds a random part, and every draw exchanges one
+    frame of it for the next one not held.
+    """
+
+    def __init__(
+        self,
+        store: FrameStore,
+        indices: Sequence[int],
+        *,
+        make_frame: Callable[[View], TrainingFrame],
+        memory_mb: int,
+        rng: np.random.Generator,
+        progress: bool = False,
+    ) -> None:
+        self._store = store
+        self._make_frame = make_frame
+        self._indices = indices
+        self._rng = rng
+        self._stream = self._read_endlessly()
+        self.frames: list[TrainingFrame] = []
+        self.complete = False
+        self._fill(memory_mb * 2**20, progress)
+
+    def draw(self, count: int) -> list[TrainingFrame]:
+        """`count` frames at random; without repetition where the pool is large enough."""
+        if not self.complete:
+            self.frames[self._rng.integers(len(self.frames))] = next(self._stream)
+        chosen = self._rng.choice(len(self.frames), count, replace=count > len(self.frames))
+        return [self.frames[i] for i in chosen]
+
+    def _fill(self, limit_bytes: int, progress: bool) -> None:
+        order = self._rng.permutation(self._indices)
+        held = 0
+        for view in tqdm(
+            self._store.views(order), "targets", total=len(order), unit="frame", disable=not progress
+        ):
+            self.frames.append(self._make_frame(view))
+            held += self.frames[-1].nbytes
+            if held > limit_bytes:
+                return
+        self.complete = True
+
+    def _read_endlessly(self) -> Iterator[TrainingFrame]:
+        while True:
+            for view in self._store.views(self._rng.permutation(self._indices)):
+                yield self._make_frame(view)

@@ -1,0 +1,238 @@
+"""The online learner: frame in, prediction out, a few steps of learning, next frame."""
+
+import copy
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, cast
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from horizon_dl.config import Config
+from horizon_dl.data.any_view import any_view
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.view import View
+from horizon_dl.models.build import build_net
+from horizon_dl.models.dropout import sample_p_above, single_pass_p_above
+from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.models.net_measures import net_measures
+from horizon_dl.training.averaging import averaged
+from horizon_dl.training.checkpoint import Snapshot
+from horizon_dl.training.crops import Batch, draw_batch
+from horizon_dl.training.module import horizon_loss
+from horizon_dl.training.online.compression import PackedFrame, unpack
+from horizon_dl.training.online.half_resolution import coarse_frame, coarse_target, half_elevation
+from horizon_dl.training.online.replay_buffer import ReplayMemory
+from horizon_dl.training.run_folder import Run
+from horizon_dl.uncertainty.measures import Measures, binary_entropy
+from horizon_dl.uncertainty.percentile import RunningPercentile
+
+Map = NDArray[np.float32]
+
+NEWEST_CROPS = 1
+"""Crops of the newest frame in every batch; the others come from the memory."""
+FIRST_GUIDED_FRAME = 10
+"""From this frame on the targets also follow what the net has learned."""
+RENEWAL_FRAMES = 2
+"""Then one old target is made anew every so many frames."""
+UNGUIDED = -1
+"""Older than any target that a net has guided."""
+THRESHOLD_FRAMES = 50
+"""Remembered frames that the threshold is taken from, at most."""
+
+
+class OnlineLearner:
+    """A net that learns from a stream, in one pass; the moving average of its weights predicts.
+
+    Frames, which carry image, camera and `up_cam`, may be given as they are. What should not be learned from
+    (frozen pictures, an attitude that jumps) a `StreamGuard` finds.
+
+    Attributes:
+        frames: learned from so far.
+        dropped: steps that were not taken because their loss or gradient was not finite.
+        memory: what is replayed.
+
+    Example:
+        >>> learner, guard = OnlineLearner(Config()), StreamGuard()    # doctest: +SKIP
+        >>> for frame in camera:                                       # doctest: +SKIP
+        ...     avoid(learner.predict(frame).entropy)
+        ...     if guard.check(frame) is None:
+        ...         learner.learn(frame)
+    """
+
+    def __init__(self, config: Config, seed: int = 0) -> None:
+        self.config = config
+        self.frames = 0
+        self.dropped = 0
+        self._taken = 0
+        self._rng = np.random.default_rng(seed)
+        with torch.random.fork_rng(devices=[]):
+            torch.manual_seed(seed)
+            self._net = build_net(config.model)
+            self._dropout_state = torch.get_rng_state()
+        self._average = averaged(self._net, config.train.average_decay)
+        self.memory = ReplayMemory(config.online.memory_mb, self._rng)
+        self._optimiser = torch.optim.AdamW(
+            self._net.parameters(), lr=config.online.learning_rate, weight_decay=config.train.weight_decay
+        )
+
+    @property
+    def net(self) -> HorizonFCN:
+        """The net that predicts."""
+        return cast(HorizonFCN, self._average.module)
+
+    def predict(self, seen: View | Frame) -> Measures:
+        """`p_above` and all uncertainties of a frame, (h, w) at the working size; see `Measures`.
+
+        A frame without attitude is predicted, too; its surprisal means nothing.
+        """
+        view = any_view(seen, self.config.image.max_pixels)
+        return net_measures(self.net, view.image, view.elevation > 0)
+
+    def p_above_samples(self, view: View) -> Map:
+        """`p_above` under each dropout mask, (samples, h, w) in [0, 1]."""
+        return sample_p_above(self.net, view.image)
+
+    def single_pass(self, view: View) -> Map:
+        """`p_above` without dropout, (1, h, w) in [0, 1]."""
+        return single_pass_p_above(self.net, view.image)
+
+    def learn(self, seen: View | Frame) -> float:
+        """Learn from a frame and from remembered ones.
+
+        Returns:
+            the mean loss over the steps, nats; NaN where nothing could be learned: the frame has no pixel
+            with a label, or no step had a finite loss.
+        """
+        return mean_loss(list(self.steps(seen)))
+
+    def steps(self, seen: View | Frame) -> Iterator[float]:
+        """The same, one step whenever the next loss (NaN: step dropped) is asked for.
+
+        So a prediction that is urgent can come between two steps. No checkpoint may.
+        """
+        view = any_view(seen, self.config.image.max_pixels)
+        guide = self.net if self.frames >= FIRST_GUIDED_FRAME else None
+        newest = coarse_frame(view, self.config, guide)
+        if not newest.counts.any():
+            return
+        self.memory.add(newest, half_elevation(view.elevation), UNGUIDED if guide is None else self.frames)
+        if guide is not None and self.frames % RENEWAL_FRAMES == 0:
+            self.memory.renew(self.frames, lambda *old: coarse_target(old[0], old[1], self.config, guide))
+        settings = self.config.online
+        early = self.frames < settings.warm_up_frames
+        self.frames += 1
+        # Unpacked once a frame, not once a step: each step takes other crops of them.
+        replayed = self.memory.draw(settings.batch - NEWEST_CROPS)
+        for _ in range(settings.warm_up_steps if early else settings.steps_per_frame):
+            yield self._step(
+                draw_batch([newest] * NEWEST_CROPS + replayed, self.config.train.crop, self._rng)
+            )
+
+    def frozen(self, info: dict[str, Any]) -> Callable[[], Run]:
+        """What the learner is now, as a run that is ready to be saved or exported.
+
+        This copies; the threshold is found when the result is called, in another thread if need be.
+
+        Args:
+            info: for the run's `info`, which the threshold is added to.
+        """
+        net, frames = copy.deepcopy(self.net).eval(), self.memory.sample(THRESHOLD_FRAMES)
+        rule = {"threshold_rule": f"percentile-{self.config.threshold.percentile:g}"}
+        return lambda: Run(
+            net, self.config, {**info, "threshold": remembered_threshold(net, frames, self.config), **rule}
+        )
+
+    def snapshot(self) -> Snapshot:
+        """All that is needed to go on; tensors are shared, not copied."""
+        optimiser = self._optimiser.state_dict()
+        own = {
+            **{f"net.{name}": tensor for name, tensor in self._net.state_dict().items()},
+            **{f"average.{name}": tensor for name, tensor in self._average.state_dict().items()},
+            **{
+                f"optimiser.{index}.{name}": torch.as_tensor(value)
+                for index, state in optimiser["state"].items()
+                for name, value in state.items()
+            },
+            "dropout": self._dropout_state,
+        }
+        values = {
+            "frames": self.frames,
+            "dropped": self.dropped,
+            "taken": self._taken,
+            "random": self._rng.bit_generator.state,
+            "optimiser": optimiser["param_groups"],
+        }
+        return Snapshot.join({"learner": Snapshot(own, values), "memory": self.memory.snapshot()})
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go on from a snapshot of a learner with the same configuration."""
+        own = snapshot.part("learner")
+        self._net.load_state_dict(_starting(own.tensors, "net."))
+        self._average.load_state_dict(_starting(own.tensors, "average."))
+        states: dict[int, dict[str, Tensor]] = {}
+        for key, tensor in _starting(own.tensors, "optimiser.").items():
+            index, _, name = key.partition(".")
+            states.setdefault(int(index), {})[name] = tensor
+        self._optimiser.load_state_dict({"state": states, "param_groups": own.values["optimiser"]})
+        self._dropout_state = own.tensors["dropout"]
+        self._rng.bit_generator.state = own.values["random"]
+        self.frames, self.dropped, self._taken = (own.values[name] for name in ("frames", "dropped", "taken"))
+        self.memory.restore(snapshot.part("memory"))
+
+    def _learning_rate(self) -> float:
+        """High at first, then as one over the number of steps, to a floor."""
+        settings = self.config.online
+        return max(
+            settings.least_rate, settings.learning_rate / (1.0 + self._taken / settings.half_rate_steps)
+        )
+
+    def _step(self, batch: Batch) -> float:
+        """One step, or NaN and everything as before: batch statistics change already on the way forward."""
+        for group in self._optimiser.param_groups:
+            group["lr"] = self._learning_rate()
+        self._net.train()
+        statistics = [buffer.clone() for buffer in self._net.buffers()]
+        with self._own_dropout():
+            loss = horizon_loss(self._net(batch.images), batch)
+        self._optimiser.zero_grad()
+        loss.backward()  # type: ignore[no-untyped-call]
+        norm = torch.nn.utils.clip_grad_norm_(self._net.parameters(), 1.0)
+        if not (math.isfinite(loss.item()) and math.isfinite(norm.item())):
+            self.dropped += 1
+            for buffer, before in zip(self._net.buffers(), statistics, strict=True):
+                buffer.copy_(before)
+            return math.nan
+        self._optimiser.step()
+        self._taken += 1
+        self._average.update_parameters(self._net)
+        return loss.item()
+
+    @contextmanager
+    def _own_dropout(self) -> Iterator[None]:
+        """Dropout draws from the learner's own random numbers and leaves those of the program alone."""
+        with torch.random.fork_rng(devices=[]):
+            torch.set_rng_state(self._dropout_state)
+            yield
+            self._dropout_state = torch.get_rng_state()
+
+
+def remembered_threshold(net: HorizonFCN, frames: Sequence[PackedFrame], config: Config) -> float:
+    """The paper's threshold, bits: a percentile of a net's entropies on remembered frames."""
+    entropies = RunningPercentile(config.threshold.percentile)
+    for frame in map(unpack, frames):
+        entropies.add(binary_entropy(sample_p_above(net, frame.image).mean(axis=0))[frame.counts])
+    return entropies.value()
+
+
+def mean_loss(losses: list[float]) -> float:
+    """Mean of the finite ones, NaN if there is none."""
+    finite = [loss for loss in losses if math.isfinite(loss)]
+    return sum(finite) / len(finite) if finite else math.nan
+
+
+def _starting(tensors: dict[str, Tensor], prefix: str) -> dict[str, Any]:
+    return {name.removeprefix(prefix): tensor for name, tensor in tensors.items() if name.startswith(prefix)}

@@ -1,0 +1,1 @@
+"""The autopilot: messages, lines, telemetry, and its attitudes in time."""
