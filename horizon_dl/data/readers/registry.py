@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Protocol
 
 from horizon_dl.data.given import NOTHING_GIVEN, Given
-from horizon_dl.data.readers import euroc, film, image_files, images_csv, kitti, paparazzi, tum
+from horizon_dl.data.readers import euroc, film, image_files, images_csv, kitti, paparazzi, ros_bag, tum
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 
@@ -22,7 +22,7 @@ class Reader(Protocol):
         """Opens the recording."""
 
 
-MODULES: tuple[Reader, ...] = (images_csv, kitti, paparazzi, tum, euroc, film, image_files)
+MODULES: tuple[Reader, ...] = (images_csv, kitti, paparazzi, tum, euroc, ros_bag, film, image_files)
 READERS = {reader.NAME: reader for reader in MODULES}
 FORMATS: tuple[str, ...] = tuple(READERS)
 
