@@ -22,7 +22,9 @@ CAMERA = "model: pinhole\nwidth: 32\nheight: 24\nfx: 30\nfy: 30\ncx: 15.5\ncy: 1
 
 
 def offer(monkeypatch: pytest.MonkeyPatch, **values: str) -> None:
-    points = [importlib.metadata.EntryPoint(name, value, "horizon_dl.readers") for name, value in values.items()]
+    points = [
+        importlib.metadata.EntryPoint(name, value, "horizon_dl.readers") for name, value in values.items()
+    ]
     real = importlib.metadata.entry_points
 
     def entry_points(**wanted: str) -> object:

@@ -20,9 +20,7 @@ def add_data(parser: argparse.ArgumentParser, name: str = "data") -> None:
 def add_given(parser: argparse.ArgumentParser) -> None:
     """`--format`, `--camera`, `--attitude` and `--time-offset`: what the data itself lacks."""
     parser.add_argument("--format", metavar="NAME", help="format of the data (recognised if left out)")
-    parser.add_argument(
-        "--camera", type=Path, metavar="FILE", help="calibration and mount of the camera"
-    )
+    parser.add_argument("--camera", type=Path, metavar="FILE", help="calibration and mount of the camera")
     parser.add_argument(
         "--attitude",
         metavar="FROM",
@@ -36,7 +34,11 @@ def add_given(parser: argparse.ArgumentParser) -> None:
         help="added to a log's times to give those of the images (default: 0)",
     )
     parser.add_argument(
-        "--topic", action="append", default=[], metavar="NAME", help="of a bag, where several fit (repeatable)"
+        "--topic",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="of a bag, where several fit (repeatable)",
     )
 
 
@@ -104,7 +106,9 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
     """The values of `add_given`."""
     from horizon_dl.data.given import Given
 
-    return Given(arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude, tuple(arguments.topic))
+    return Given(
+        arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude, tuple(arguments.topic)
+    )
 
 
 def open_data(arguments: argparse.Namespace) -> "Recording":

@@ -112,7 +112,10 @@ def _field(info: Any, name: str) -> Any:
 def _of_region(info: Any, matrix: Any) -> tuple[Any, int, int]:
     """K, width and height of the pictures as sent: a region of the sensor, and pixels put together."""
     roi, across, down = info.roi, max(int(info.binning_x), 1), max(int(info.binning_y), 1)
-    width, height = (int(roi.width) or int(info.width)) // across, (int(roi.height) or int(info.height)) // down
+    width, height = (
+        (int(roi.width) or int(info.width)) // across,
+        (int(roi.height) or int(info.height)) // down,
+    )
     sent = np.array(matrix).reshape(3, 3)
     for row, offset, factor in ((0, roi.x_offset, across), (1, roi.y_offset, down)):
         sent[row, row] /= factor

@@ -74,7 +74,9 @@ class BagLoader:
             if attempt == 0:  # headers in another order than the messages came
                 self._messages = placed(self._bag.messages(topic, place.arrival_ns))
         self._messages = None
-        raise FrameError(f"{self.path.name} {self.topic} {index}", "is not there any more", "copy the bag again")
+        raise FrameError(
+            f"{self.path.name} {self.topic} {index}", "is not there any more", "copy the bag again"
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_bag": None, "_decode": None, "_messages": None}

@@ -108,7 +108,9 @@ def mounted(
     return Mounted(series, tree, None, camera_frame, way, mount, tuple(notes))
 
 
-def _constant_mount(tree: TransformTree, frame: str, camera_frame: str, turned_back: Floats) -> MountRpy | None:
+def _constant_mount(
+    tree: TransformTree, frame: str, camera_frame: str, turned_back: Floats
+) -> MountRpy | None:
     if not tree.constant(frame, camera_frame):
         return None
     way = tree.rotation(frame, camera_frame, 0.0)

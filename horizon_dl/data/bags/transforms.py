@@ -109,7 +109,9 @@ def read_transforms(bag: Bag) -> TransformTree:
     return TransformTree(links)
 
 
-def _add(one: Any, samples: dict[str, list[tuple[float, tuple[float, ...]]]], parents: dict[str, str]) -> None:
+def _add(
+    one: Any, samples: dict[str, list[tuple[float, tuple[float, ...]]]], parents: dict[str, str]
+) -> None:
     turned = one.transform.rotation
     quaternion = np.array([turned.w, turned.x, turned.y, turned.z])
     norm = float(np.linalg.norm(quaternion))

@@ -57,7 +57,8 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     if calibration is not None and given.attitude is not None:
         log = read_attitude(given.attitude)
         headers = [
-            log.header(one.name, one.time_s, calibration.mount_rpy_rad, given.time_offset_s) for one in headers
+            log.header(one.name, one.time_s, calibration.mount_rpy_rad, given.time_offset_s)
+            for one in headers
         ]
     elif calibration is not None:
         found = _attitude(bag, frame, calibration, times, headless, given)
