@@ -17,7 +17,7 @@ from horizon_dl.evaluation.scoring import ScoredFrame, count_frame
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.ranging_block import RangingBlock
-from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
 Map = NDArray[np.float32]
