@@ -81,9 +81,14 @@ class Maker:
         roi = self.new(
             "sensor_msgs/msg/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False
         )
-        fields = dict(
-            height=height, width=width, distortion_model="plumb_bob", binning_x=0, binning_y=0, roi=roi
-        )
+        fields: dict[str, Any] = {
+            "height": height,
+            "width": width,
+            "binning_x": 0,
+            "binning_y": 0,
+            "roi": roi,
+        }
+        fields["distortion_model"] = "plumb_bob"
         fields |= dict(zip(names, numbers, strict=True)) | {"header": self.header(0, frame)} | values
         return self.new("sensor_msgs/msg/CameraInfo", **fields)
 

@@ -66,7 +66,7 @@ def test_odometry_and_poses_are_the_body_s(tmp_path: Path, child: str | None) ->
 
 def test_px4_is_forward_right_down(tmp_path: Path) -> None:
     maker = Maker(extra=PX4)
-    rows, ups = pictures(maker)
+    rows, _ = pictures(maker)
     for t in np.arange(0, 0.8, 0.02):
         q = quaternion_from_rpy(*attitude_at(t), 0.4).astype(np.float32)
         micro = int(t * 1e6) + 5_000_000  # since boot: never meets the headers, so that arrival counts
@@ -123,7 +123,7 @@ def test_a_world_with_z_down_is_told_by_gravity(tmp_path: Path) -> None:
 @pytest.mark.parametrize("scale", [1.0, 1 / 9.81])
 @pytest.mark.parametrize("q", [lambda t: None, lambda t: [1, 0, 0, 0], lambda t: [0, 0, 0, 0]])
 def test_without_an_orientation_the_imu_s_forces_tell(tmp_path: Path, q: Any, scale: float) -> None:
-    """Said so by the covariance, never set, or zeros; accelerations in m/s^2, and in g as some drivers do."""
+    """Said so by the covariance, never set, or zeros; forces in m/s^2, and in g as some drivers do."""
     maker = Maker()
     rows = [row for row in flight(maker)[0] if row[0] != "/imu"]
     up_flu = np.array([np.sin(-0.3), np.cos(0.3) * np.sin(0.2), np.cos(0.3) * np.cos(0.2)])
@@ -172,7 +172,8 @@ def test_a_stated_mount_goes_before_tf(tmp_path: Path) -> None:
     rows, _, ups = flight(maker)
     camera = tmp_path / "camera.yaml"
     camera.write_text(
-        "model: pinhole\nwidth: 32\nheight: 24\nfx: 30\nfy: 30\ncx: 15.5\ncy: 11.5\nmount_rpy_deg: [0, -10, 0]\n"
+        "model: pinhole\nwidth: 32\nheight: 24\nfx: 30\nfy: 30\ncx: 15.5\ncy: 11.5\n"
+        "mount_rpy_deg: [0, -10, 0]\n"
     )
     tilted = ups_of(maker.write(tmp_path / "made", rows), camera=camera)
     assert angle_deg(tilted, ups) == pytest.approx(10, abs=0.3)

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 IMU = "sensor_msgs/msg/Imu"
 PX4 = ("px4_msgs/msg/VehicleAttitude", "px4_msgs/msg/VehicleOdometry")
 ALIGNED = 0.9
-"""A force that lies within 25 degrees of the vertical is gravity's, and tells which way the world's z points."""
+"""A force within 25 degrees of the vertical is gravity's, and tells which way the world's z points."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def _xyz(vector: Any) -> tuple[float, float, float]:
 
 
 def _unit(quaternions: Floats) -> Floats:
-    """At length one; NaN where they are none, and everywhere where a driver repeats one that it never sets."""
+    """At length one; NaN where they are none, and all of them where a driver repeats one it never sets."""
     norm = np.linalg.norm(quaternions, axis=1, keepdims=True)
     with np.errstate(invalid="ignore"):
         good = np.abs(norm - 1) < 0.1

@@ -1,18 +1,18 @@
 """Which of a bag's topics are taken: by content, or as named where several fit."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from horizon_dl.data.bags.attitudes import KINDS, oriented, read_orientations
 from horizon_dl.data.bags.camera_info import KIND as INFO
 from horizon_dl.data.bags.camera_info import base_topic
+from horizon_dl.data.bags.linked import Linked, transform_series
 from horizon_dl.data.bags.messages import decoder, frame_name
 from horizon_dl.data.bags.pixels import is_depth
 from horizon_dl.data.bags.storage import Bag, Topic
 from horizon_dl.data.bags.transforms import TransformTree
-from horizon_dl.data.bags.up_series import Felt, Linked, Turned, imu_series, orientation_series, renamed
-from horizon_dl.data.bags.up_series import transform_series
+from horizon_dl.data.bags.up_series import Felt, Turned, imu_series, orientation_series
 from horizon_dl.errors import InputError
 
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -39,7 +39,7 @@ def first_message(bag: Bag, topic: Topic) -> Any:
 
 
 def image_topic(bag: Bag, named: Sequence[str]) -> Topic:
-    """The topic with the pictures: named, or the only one; sent twice, the one that has more, else the raw one.
+    """The topic with the pictures: named, or the only one; of two with the same, the fuller, else the raw.
 
     Raises:
         InputError: none, or several fit.
@@ -95,7 +95,7 @@ def up_series(
         found = read_orientations(bag, equal[0].topic)
         series = orientation_series(found, arrivals) or imu_series(found, arrivals)
         if series is not None:
-            return renamed(series, equal[0].frame)
+            return replace(series, frame=equal[0].frame)
     return None
 
 

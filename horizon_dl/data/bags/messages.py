@@ -8,7 +8,12 @@ from horizon_dl.data.bags.storage import Bag, Topic, reading
 
 NANOSECOND = 1e-9
 
-PX4_ATTITUDE = "uint64 timestamp\nuint64 timestamp_sample\nfloat32[4] q\nfloat32[4] delta_q_reset\nuint8 quat_reset_counter"
+PX4_ATTITUDE = """uint64 timestamp
+uint64 timestamp_sample
+float32[4] q
+float32[4] delta_q_reset
+uint8 quat_reset_counter
+"""
 WITHOUT_DEFINITION = {"px4_msgs/msg/VehicleAttitude": PX4_ATTITUDE}
 """What bags of before 2023 hold without its definition, though it is no part of ROS."""
 

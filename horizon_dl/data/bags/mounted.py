@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.bags.choose import Series, body_frame
+from horizon_dl.data.bags.linked import Linked
 from horizon_dl.data.bags.transforms import TransformTree
-from horizon_dl.data.bags.up_series import Linked
 from horizon_dl.data.calibration.calibration import Calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.source import MountRpy
@@ -20,7 +20,6 @@ Floats = NDArray[np.float64]
 FRD_FROM_FLU = np.diag([1.0, -1.0, -1.0])
 UPRIGHT_FROM_STORED = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 """Optical axes after a quarter turn of the picture to the left."""
-LEVEL_BY_TRUST = "the world of {} is taken as level"
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
-"""The files of a bag: ROS 1 `.bag`, ROS 2 `.db3` and `.mcap`, one or several, their topics and raw messages."""
+"""The files of a bag: ROS 1 `.bag`, ROS 2 `.db3` and `.mcap`; their topics and raw messages."""
 
-import shutil
 import tempfile
 import weakref
 from collections.abc import Iterator
@@ -9,13 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from horizon_dl.data.bags.unpack import unpack_file, unpacked
 from horizon_dl.errors import InputError
 
 SUFFIXES = (".bag", ".db3", ".mcap")
 PACKED = ".zstd"
 MAGIC = (b"#ROSBAG V", b"\x89MCAP0\r\n")
-ZSTD = b"\x28\xb5\x2f\xfd"
-LARGEST_MESSAGE = 1 << 28
 WAYS_OUT = {
     ".bag": "copy it again, or run `rosbag reindex` on it",
     ".db3": "copy it again, or run `sqlite3 OLD.db3 .recover`",
@@ -128,10 +126,7 @@ class Bag:
         """A copy without the compression, which lives as long as the bag is open."""
         folder = tempfile.TemporaryDirectory(prefix="horizon-dl-bag-")
         weakref.finalize(self, folder.cleanup)
-        target = Path(folder.name) / file.stem
-        with _zstd().open(file, "rb") as packed, target.open("wb") as plain:
-            shutil.copyfileobj(packed, plain)
-        return target
+        return unpack_file(file, Path(folder.name))
 
     def _find_topics(self) -> dict[str, Topic]:
         topics: dict[str, Topic] = {}
@@ -154,22 +149,3 @@ def full_name(kind: str) -> str:
     """
     package, _, name = kind.partition("/")
     return kind if "/" in name or not name else f"{package}/msg/{name}"
-
-
-def unpacked(payload: bytes) -> bytes:
-    """The payload of a message, without the zstd that rosbag2 may put around each by itself.
-
-    Only metadata.yaml says that it did; but no payload in CDR begins with zstd's first four bytes.
-    """
-    if not payload.startswith(ZSTD):
-        return payload
-    plain: bytes = _zstd().ZstdDecompressor().decompress(payload, LARGEST_MESSAGE)
-    return plain
-
-
-def _zstd() -> Any:
-    try:
-        from compression import zstd  # type: ignore[import-not-found, unused-ignore]
-    except ImportError:
-        from backports import zstd
-    return zstd

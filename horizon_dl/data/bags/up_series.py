@@ -1,21 +1,17 @@
 """The world's up over time in the frame of a sensor, whatever told it: orientations, an IMU, transforms."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.bags.attitudes import PX4, Orientations
-from horizon_dl.data.bags.transforms import TransformTree
 from horizon_dl.data.imu import estimate_up
 from horizon_dl.data.readers.parsing import MAX_GAP_S, by_time
 from horizon_dl.geometry.attitude import bracket, interpolate, rotation_from_quaternion, unit
 
 Floats = NDArray[np.float64]
-
-WORLDS = ("map", "odom", "world", "earth", "mocap", "vicon", "optitrack", "global", "local_origin")
-"""Roots whose z is up (REP 105); a tree that ends in the robot itself tells nothing of the world."""
 
 
 class UpSeries(Protocol):
@@ -71,7 +67,7 @@ class Turned:
         if turned is None:
             return None, None
         world_from_camera = rotation_from_quaternion(turned) @ sensor_from_camera
-        return _up_and_heading(world_from_camera, np.array(self.up_world))
+        return up_and_heading(world_from_camera, np.array(self.up_world))
 
 
 @dataclass(frozen=True)
@@ -101,32 +97,8 @@ class Felt:
         return (unit(sensor_from_camera.T @ up) if np.linalg.norm(up) > 0.5 else None), None
 
 
-@dataclass(frozen=True)
-class Linked:
-    """By the transforms from a world down to the camera's own frame."""
-
-    tree: TransformTree
-    frame: str
-    topic: str = "/tf"
-    frd: bool = False
-    note: str = "the attitude is that of tf"
-
-    @property
-    def span_s(self) -> tuple[float, float]:
-        """See `UpSeries`."""
-        moving = [self.tree.links[name] for name in self.tree.chain(self.frame)[:-1]]
-        times = [link.times_s for link in moving if not link.constant]
-        return max(float(one[0]) for one in times), min(float(one[-1]) for one in times)
-
-    def at(self, time_s: float, sensor_from_camera: Floats) -> tuple[Floats | None, float | None]:
-        """See `UpSeries`."""
-        turned = self.tree.rotation(self.tree.chain(self.frame)[-1], self.frame, time_s)
-        if turned is None:
-            return None, None
-        return _up_and_heading(turned @ sensor_from_camera, np.array([0.0, 0.0, 1.0]))
-
-
-def _up_and_heading(world_from_camera: Floats, up_world: Floats) -> tuple[Floats, float]:
+def up_and_heading(world_from_camera: Floats, up_world: Floats) -> tuple[Floats, float]:
+    """Up in the camera (3,), and its heading (rad, clockwise seen from above)."""
     ahead = world_from_camera[:, 2]
     heading = float(np.arctan2(ahead[1], ahead[0]))
     return unit(world_from_camera.T @ up_world), -heading if up_world[2] > 0 else heading
@@ -154,16 +126,3 @@ def imu_series(found: Orientations, arrivals: bool = False) -> Felt | None:
     silent = "; its gyroscope is silent" if not felt[:, :3].any() else ""
     note = f"{found.topic} gives no orientation: it is estimated from its rates and forces{silent}"
     return Felt(found.topic, found.frame, times, estimate_up(times, felt[:, :3], felt[:, 3:]), False, note)
-
-
-def transform_series(tree: TransformTree, camera_frame: str) -> Linked | None:
-    """By transforms; None where the camera hangs on no world, or never moves in it."""
-    chain = tree.chain(camera_frame)
-    root = chain[-1].rsplit("/", 1)[-1].lower()
-    moves = any(not tree.links[name].constant for name in chain[:-1] if name in tree.links)
-    return Linked(tree, camera_frame) if moves and root.startswith(WORLDS) else None
-
-
-def renamed(series: Turned | Felt | Linked, frame: str) -> Turned | Felt | Linked:
-    """The series, its frame named."""
-    return replace(series, frame=frame)

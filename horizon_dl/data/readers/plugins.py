@@ -1,4 +1,4 @@
-"""Readers of other people's packages, found by the entry point group `horizon_dl.readers`; see docs/READERS.md."""
+"""Readers of other packages, by the entry points of the group `horizon_dl.readers`; see docs/READERS.md."""
 
 import importlib.metadata
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ class Plugins:
 def plugins() -> Plugins:
     """All readers that installed packages offer.
 
-    One that cannot be loaded stands in nobody's way: it is named where no reader fits, or where it is asked for.
+    One that cannot be loaded stands in nobody's way; it is named where no reader fits, or it is asked for.
     """
     found = Plugins()
     for point in sorted(importlib.metadata.entry_points(group=GROUP), key=lambda one: one.name):

@@ -40,7 +40,7 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     """Opens a bag; its pictures are decoded when asked for, fastest in their order.
 
     Raises:
-        InputError: it is damaged, something is missing or is there several times; the error says what to give.
+        InputError: it is damaged, or something is missing or there several times; it says what to give.
     """
     bag = Bag(path)
     check_named(bag, given.topics)
