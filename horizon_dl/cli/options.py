@@ -24,7 +24,7 @@ def add_given(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--attitude",
         metavar="FROM",
-        help="a log's file, mavlink:URL, or constant:ROLL,PITCH in degrees",
+        help="a log, mavlink:URL, constant:ROLL,PITCH in degrees, or from-images",
     )
     parser.add_argument(
         "--time-offset",
@@ -34,7 +34,11 @@ def add_given(parser: argparse.ArgumentParser) -> None:
         help="added to a log's times to give those of the images (default: 0)",
     )
     parser.add_argument(
-        "--topic", action="append", default=[], metavar="NAME", help="of a bag, where several fit (repeatable)"
+        "--topic",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="of a bag, where several fit (repeatable)",
     )
 
 
@@ -102,7 +106,8 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
     """The values of `add_given`."""
     from horizon_dl.data.given import Given
 
-    return Given(arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude, tuple(arguments.topic))
+    topics = tuple(arguments.topic)
+    return Given(arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude, topics)
 
 
 def open_data(arguments: argparse.Namespace) -> "Recording":
