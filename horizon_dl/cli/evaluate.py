@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> None:
     trained = load(arguments.run_folder)
     recording = open_data(arguments)
     labelled = sum(entry.truth_path is not None for entry in recording.entries)
-    with output_folder(arguments.out) as folder, open_workers(arguments.scheduler) as workers:
+    with output_folder(arguments.out, "evaluate", overwrite=arguments.overwrite) as folder, open_workers(arguments.scheduler) as workers:
         panels = PanelWriter(folder, labelled)
         result = evaluate(trained, recording, on_frame=panels, progress=True, workers=workers)
         title = f"{arguments.run_folder.name} on {recording.name}"

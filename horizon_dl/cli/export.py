@@ -73,7 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
     forest_data = open_recording(arguments.forest, arguments.format) if arguments.forest else None
     if data and forest_data and not same_camera(data.camera, forest_data.camera):
         raise InputError(arguments.forest, "has another camera than --data", "leave --data away")
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out, "export", overwrite=arguments.overwrite) as folder:
         exported = export_run(trained, camera, parity_frames(data) if data else ())
         exported = _measured(exported, data)
         exported.write(folder)

@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace) -> None:
         raise InputError("--video", "needs an exported model and a data set", "run `horizon-dl export` first")
     count = frame_count(source)
     skipped: dict[str, str] = {}
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out, "predict", overwrite=arguments.overwrite) as folder:
         (folder / "arrays").mkdir()
         for item in tqdm(predictions(arguments.model, source), "predict", total=count, unit="frame"):
             if isinstance(item, FrameError):
