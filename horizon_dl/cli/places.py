@@ -2,9 +2,9 @@
 
 import argparse
 import errno
-import os
 import re
 import stat
+import tempfile
 from pathlib import Path
 
 from horizon_dl.errors import InputError
@@ -55,7 +55,7 @@ def _check_out(out: Path, overwrite: bool, resuming: bool) -> None:
         if not (overwrite or resuming):
             check_free(out)
         there = next(folder for folder in (out.absolute(), *out.absolute().parents) if folder.exists())
-        if not os.access(there, os.W_OK | os.X_OK):
-            raise InputError(out, "cannot be written (no right to)", "give another --out")
+        with tempfile.TemporaryFile(dir=there):
+            pass
     except OSError as error:
         raise InputError(out, f"cannot be written ({error.strerror})", "give another --out") from None
