@@ -59,7 +59,7 @@ def test_an_error_leaves_everything_as_it_was(tmp_path):
 def test_a_folder_that_holds_something_is_refused_unless_told(tmp_path):
     out = tmp_path / "out"
     write(out, {"a": "1"}, kind="predict")
-    with pytest.raises(InputError, match="holds results of `predict` already; .*--overwrite"):
+    with pytest.raises(InputError, match=r"holds results of `predict` already; .*--overwrite"):
         write(out, {"a": "2"}, kind="predict")
     foreign = tmp_path / "thesis"
     foreign.mkdir()
@@ -230,7 +230,10 @@ def test_a_full_disk_is_one_line(tmp_path):
     def fill(folder: Path) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    with pytest.raises(InputError, match="No space left on device"), output_folder(tmp_path / "out") as folder:
+    with (
+        pytest.raises(InputError, match="No space left on device"),
+        output_folder(tmp_path / "out") as folder,
+    ):
         fill(folder)
     assert not (tmp_path / "out").exists()
     assert system_error(Exception("I/O error: (os error 28)")).errno == errno.ENOSPC

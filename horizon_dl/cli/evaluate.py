@@ -33,8 +33,11 @@ def run(arguments: argparse.Namespace) -> None:
     load = load_file_run if is_model_file(arguments.run_folder) else load_run
     trained = load(arguments.run_folder)
     recording = open_data(arguments)
-    labelled = sum(entry.truth_path is not None for entry in recording.entries)
-    with output_folder(arguments.out, "evaluate", overwrite=arguments.overwrite) as folder, open_workers(arguments.scheduler) as workers:
+    labelled = sum(entry.labelled for entry in recording.headers)
+    with (
+        output_folder(arguments.out, "evaluate", overwrite=arguments.overwrite) as folder,
+        open_workers(arguments.scheduler) as workers,
+    ):
         panels = PanelWriter(folder, labelled)
         result = evaluate(trained, recording, on_frame=panels, progress=True, workers=workers)
         title = f"{arguments.run_folder.name} on {recording.name}"

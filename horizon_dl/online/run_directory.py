@@ -10,7 +10,7 @@ from filelock import FileLock, Timeout
 from tqdm import tqdm
 
 from horizon_dl.config import Config
-from horizon_dl.data.capture.stream import Stream
+from horizon_dl.data.source import FrameSource
 from horizon_dl.errors import InputError, printable
 from horizon_dl.online.frame_log import FrameLog
 from horizon_dl.online.tensorboard_log import TensorBoardLog
@@ -35,11 +35,17 @@ class RunKeeper:
     """
 
     def __init__(
-        self, folder: Path, stream: Stream, config: Config, *, restart: bool = False, overwrite: bool = False
+        self,
+        folder: Path,
+        source: FrameSource,
+        config: Config,
+        *,
+        restart: bool = False,
+        overwrite: bool = False,
     ) -> None:
         self.folder = folder
         self.failed = 0
-        self._identity = {"data": stream.name, "format": stream.format, "config": _identity(config)}
+        self._identity = {"data": source.name, "format": source.format, "config": _identity(config)}
         self._settings = config.online
         try:
             make_folder(folder)
