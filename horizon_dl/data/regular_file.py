@@ -1,6 +1,5 @@
 """Files from strangers: regular ones, of bounded size. A pipe or a device would wait or run on for ever."""
 
-import os
 import stat
 from pathlib import Path
 
@@ -18,7 +17,7 @@ def check_regular(path: Path, most_bytes: int | None = None) -> None:
         InputError: it is a folder, pipe, socket or device, is too large, or cannot be looked at.
     """
     try:
-        found = os.stat(path)
+        found = path.stat()
     except FileNotFoundError:
         raise
     except (OSError, ValueError) as error:

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -98,7 +97,8 @@ def file_hash(path: Path) -> str:
 def held_by(folder: Path) -> list[str]:
     """Names in a folder that stand for something: hidden ones and what file systems add do not."""
     ignored = {"lost+found"}
-    return sorted(name for name in os.listdir(folder) if not name.startswith(".") and name not in ignored)
+    names = (path.name for path in folder.iterdir())
+    return sorted(name for name in names if not name.startswith(".") and name not in ignored)
 
 
 def _hash_of(body: object) -> str:
