@@ -26,6 +26,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     from horizon_dl.inspection.mount_check import check_mount, mount_lines
     from horizon_dl.output import output_folder, write_json
+    from horizon_dl.output.files import without_nan
 
     check = check_mount(recording, recording.mount_rpy_rad or (0.0, 0.0, 0.0), progress=True)
     print("\n".join(mount_lines(check)))
@@ -33,5 +34,5 @@ def run(arguments: argparse.Namespace) -> None:
         print("This format has no camera.yaml: the angles are about the camera's own axes.")
     if arguments.out:
         with output_folder(arguments.out, "calibrate-mount", overwrite=arguments.overwrite) as folder:
-            write_json(folder / "mount.json", check.to_json())
+            write_json(folder / "mount.json", without_nan(check.to_json()))
         print(f"wrote {arguments.out / 'mount.json'}")

@@ -22,6 +22,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Evaluate, write the figures, and print their table."""
+    if not is_model_file(arguments.run_folder):
+        from horizon_dl.training.run_files import check_run_folder
+
+        check_run_folder(arguments.run_folder)
     from horizon_dl.evaluation.evaluate import evaluate
     from horizon_dl.methods.onnx_file import load_file_run
     from horizon_dl.output import output_folder

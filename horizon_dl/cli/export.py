@@ -51,6 +51,9 @@ def image_size(text: str) -> tuple[int, int]:
 
 def run(arguments: argparse.Namespace) -> None:
     """Export, compare, measure, write."""
+    from horizon_dl.training.run_files import check_run_folder
+
+    check_run_folder(arguments.run_folder)
     from horizon_dl.data.readers.registry import open_recording
     from horizon_dl.errors import InputError
     from horizon_dl.export.export import export_run, parity_frames, trained_camera

@@ -14,6 +14,11 @@ FROM = ("data", "source", "run_folder", "model", "models", "camera", "forest", "
 ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 """How cameras, streams and autopilots begin; a file so named can be given as ./NAME."""
 
+RESUMABLE = ("online", "train")
+"""Verbs that go on in a folder of their own, and look into it themselves."""
+TO_A_FILE = ("benchmark",)
+"""Verbs whose --out is one file, which they check themselves."""
+
 
 def check_places(arguments: argparse.Namespace) -> None:
     """What is to be read is there, and where is to be written can be: as far as a look can tell.
@@ -27,12 +32,8 @@ def check_places(arguments: argparse.Namespace) -> None:
             if one is not None and not ADDRESS.match(str(one)):
                 _check_there(Path(one))
     out = getattr(arguments, "out", None)
-    if out is not None and hasattr(arguments, "overwrite"):
+    if out is not None and hasattr(arguments, "overwrite") and arguments.verb not in TO_A_FILE:
         _check_out(out, arguments.overwrite, resuming=arguments.verb in RESUMABLE)
-
-
-RESUMABLE = ("online", "train")
-"""Verbs that go on in a folder of their own, and look into it themselves."""
 
 
 def _check_there(path: Path) -> None:

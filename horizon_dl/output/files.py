@@ -2,9 +2,11 @@
 
 import errno
 import json
+import math
 import os
 import re
 import shutil
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -38,6 +40,32 @@ def write_text(path: Path, content: str) -> None:
 def write_json(path: Path, value: Any) -> None:
     """As `write_bytes`, for JSON; NaN is refused, since it is no JSON."""
     write_text(path, json.dumps(value, indent=1, allow_nan=False) + "\n")
+
+
+def without_nan(value: Any) -> Any:
+    """A tree for JSON with None in place of NaN and infinities: what is not known has no number."""
+    if isinstance(value, dict):
+        return {key: without_nan(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [without_nan(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def check_file(path: Path, overwrite: bool, option: str = "--out") -> None:
+    """A single file of results can be written, and nothing is lost by it.
+
+    Raises:
+        InputError: it is there already and may not be replaced, or its folder takes no files.
+    """
+    if path.is_dir():
+        raise InputError(path, "is a folder", f"give a file with {option}")
+    if path.exists() and not overwrite:
+        raise InputError(path, "exists already", f"give another {option}, or replace it with --overwrite")
+    try:
+        with tempfile.TemporaryFile(dir=path.absolute().parent):
+            pass
+    except OSError as error:
+        raise InputError(path, f"cannot be written ({error.strerror})", f"give another {option}") from None
 
 
 @contextmanager

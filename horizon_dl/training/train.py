@@ -1,7 +1,6 @@
 """Offline training on a recording."""
 
 import copy
-import logging
 import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -23,6 +22,7 @@ from horizon_dl.data.view import View
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import p_above_of_all_depths, sample_p_above
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.quiet import quiet_logger
 from horizon_dl.training.crops import TrainingFrame, training_frame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.frame_store import FramePool, FrameStore
@@ -266,13 +266,7 @@ def evenly(indices: Sequence[int], count: int) -> list[int]:
 @contextmanager
 def _quiet_lightning() -> Iterator[None]:
     """Without Lightning's advertisements and its advice on worker processes."""
-    logger = logging.getLogger("lightning.pytorch")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", module="lightning.*")
-            warnings.filterwarnings("ignore", message=".*(num_workers|IterableDataset|epoch).*")
-            yield
-    finally:
-        logger.setLevel(level)
+    with quiet_logger("lightning.pytorch"), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module="lightning.*")
+        warnings.filterwarnings("ignore", message=".*(num_workers|IterableDataset|epoch).*")
+        yield
