@@ -25,7 +25,7 @@ class ResultNames:
 
     def __init__(self, names: Sequence[str] = ()) -> None:
         folders = [inside(name).parent.parts for name in names]
-        self._common = len(os.path.commonprefix(folders)) if folders else None
+        self._common = _common_parts(folders) if folders else None
         self._short = Counter(self._without_ending(name) for name in set(names))
         self._given: set[str] = set()
 
@@ -46,6 +46,15 @@ class ResultNames:
         path = inside(name)
         folders = path.parent.parts[self._common :] if self._common is not None else ()
         return PurePosixPath(*folders, path.stem or path.name).as_posix()
+
+
+def _common_parts(folders: Sequence[tuple[str, ...]]) -> int:
+    """How many folders all begin with."""
+    first, last = min(folders), max(folders)
+    pairs = zip(first, last, strict=False)
+    return next(
+        (index for index, (one, other) in enumerate(pairs) if one != other), min(len(first), len(last))
+    )
 
 
 def inside(name: str) -> PurePosixPath:
