@@ -103,7 +103,7 @@ def start(data: Path, out: Path, *more: str) -> subprocess.Popen:
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_the_verb_survives_signals(tmp_path, how):
     data = write_toy_set(tmp_path / "set", frames=30)
-    out, long = tmp_path / "run", ["--train.rounds", "[3, 400]"]
+    out, long = tmp_path / "run", ["--train.rounds", "[3, 120]"]
     running = start(data, out, *long)
     while not (out / CHECKPOINT).exists() and running.poll() is None:
         time.sleep(0.05)

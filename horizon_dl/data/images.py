@@ -23,7 +23,7 @@ warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
 
 
 def most_pixels(camera: Camera | None) -> int:
-    """How many pixels an image may have to be decoded; one of another size than the camera's is still read."""
+    """How many pixels an image may have; one of another size than the camera's is still read."""
     if camera is None:
         return MOST_PIXELS
     return max(LEAST_LIMIT, 4 * camera.width * camera.height)
