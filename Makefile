@@ -20,7 +20,7 @@ $(STAMP): $(UV) pyproject.toml constraints.txt
 	touch $@
 
 demo: $(STAMP)
-	$(BIN)/horizon-dl demo --out demo
+	$(BIN)/horizon-dl demo --out demo --overwrite
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     recording = with_truth_of_every(3, open_recording(embedded_set()))
     split = split_recording(recording, "prequential")
     print(f"learning online from {len(split.train)} frames of the simulated arena, forest beside it")
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out, "demo", overwrite=arguments.overwrite) as folder:
         panels = PanelWriter(folder, len(split.test))
         result = compare(recording, config, "prequential", [config.seed], on_frame=panels, progress=True)
         write_comparison(folder, "Demo: the simulated arena, learned online", result, panels, config)

@@ -65,7 +65,7 @@ def load_file_run(path: Path) -> FileRun:
     model = ObstacleModel.load(path)
     try:
         config = Config.model_validate(model.card["config"])
-    except (ValidationError, KeyError):
+        info = {**model.card["trained_on"], "threshold_rule": model.card["threshold"]["rule"]}
+    except (ValidationError, KeyError, TypeError):
         raise InputError(path, "was exported by another version", "export it again") from None
-    info = {**model.card["trained_on"], "threshold_rule": model.card["threshold"]["rule"]}
     return FileRun(model, config, info)
