@@ -1,7 +1,7 @@
 """Obstacles from the uncertainty about what lies above and below the horizon.
 
-What others build on is imported from here, each name when it is first asked for, so that the plain install has
-what it can have:
+What others build on is imported from here, each name when it is first asked for, so that the plain
+install has what it can have:
 
     >>> from horizon_dl import Camera
     >>> Camera("pinhole", 640, 480, 500.0, 500.0, 319.5, 239.5).scaled(320, 240).cx
