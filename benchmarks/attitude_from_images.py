@@ -4,8 +4,8 @@ python benchmarks/attitude_from_images.py DATA... [--learn] [--frames 24]
 
 For each set: the share of the frames in which `--attitude from-images` dares to tell up, the median angle to
 the recording's own up there, and that over all frames. With --learn also a net trained on the first half of
-the recording, whose map of what is above is fitted by a horizon in frames of the second half; it does not know
-their attitude. Recorded attitudes have errors of their own: some degrees on the hallway and the room.
+the recording, whose map of what is above is fitted by a horizon in frames of the second half, their attitude
+not known to it. Recorded attitudes have errors of their own: some degrees on the hallway and the room.
 """
 
 import argparse
