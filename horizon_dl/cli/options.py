@@ -24,7 +24,7 @@ def add_given(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--attitude",
         metavar="FROM",
-        help="a log's file, mavlink:URL, or constant:ROLL,PITCH in degrees",
+        help="a log's file, mavlink:URL, constant:ROLL,PITCH in degrees, or from-images",
     )
     parser.add_argument(
         "--time-offset",
