@@ -32,7 +32,7 @@ VERBS = {
     "fly": "the onboard loop: obstacle distances for an autopilot",
     "config": "show or copy the commented built-in configs",
 }
-EXTRA_OF = {"mujoco": "sim", "pymavlink": "drone", "serial": "drone", "cv2": "drone"}
+EXTRA_OF = {"mujoco": "sim", "pymavlink": "drone", "serial": "drone", "cv2": "drone", "cryptography": "sign"}
 OURS = "horizon_dl"
 
 

@@ -18,8 +18,9 @@ MOST_PIXELS = 36_000_000
 """Where no camera is known: decoded and brought to RGB it takes a quarter of a gigabyte."""
 LEAST_LIMIT = 4_000_000
 
-# Sizes are checked here, before anything is decoded.
+# Sizes are checked here before anything is decoded, and a damaged file is an error or a picture, no third.
 warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
+warnings.filterwarnings("ignore", module=r"PIL\.")
 
 
 def most_pixels(camera: Camera | None) -> int:
