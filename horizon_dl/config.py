@@ -8,8 +8,10 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from horizon_dl.config_file import builtin_config, keys_with_meaning
 from horizon_dl.data.safe_yaml import brief, parse_yaml, read_yaml
 from horizon_dl.errors import InputError, shortened
+from horizon_dl.nearest_word import meant
 
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
 Positive = Annotated[float, Field(gt=0.0)]
@@ -121,25 +123,6 @@ class Config(Section):
     threshold: ThresholdConfig = ThresholdConfig()
 
 
-def config_folder() -> Path:
-    """Folder of the built-in configs: inside an installed package, or at the top of a checkout."""
-    installed = Path(__file__).parent / "configs"
-    return installed if installed.is_dir() else Path(__file__).parent.parent / "configs"
-
-
-def builtin_configs() -> list[str]:
-    """Names of the built-in configs."""
-    return sorted(path.stem for path in config_folder().glob("*.yaml"))
-
-
-def builtin_config(name: str) -> Path:
-    """Path of a built-in config; InputError for an unknown name."""
-    path = config_folder() / f"{name}.yaml"
-    if name not in builtin_configs():
-        raise InputError(name, "is no built-in config", f"take one of {', '.join(builtin_configs())}")
-    return path
-
-
 def load_config(source: str | Path | None = None, overrides: Sequence[str] = ()) -> Config:
     """Read a config and put dotted overrides on top.
 
@@ -194,7 +177,7 @@ def _first_problem(error: ValidationError) -> str:
     detail = error.errors(include_url=False)[0]
     key = shortened(".".join(str(part) for part in detail["loc"]), 200)
     if detail["type"] == "extra_forbidden":
-        return f"has no key '{key}'"
+        return f"has no key '{key}'{meant(key, (name for name, _, _ in keys_with_meaning()))}"
     if detail["type"] == "missing":
         return f"lacks the key '{key}'"
     return f"{key} = {brief(detail['input'])}: {detail['msg'][0].lower()}{detail['msg'][1:]}"

@@ -33,6 +33,9 @@ def add_given(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="added to a log's times to give those of the images (default: 0)",
     )
+    parser.add_argument(
+        "--topic", action="append", default=[], metavar="NAME", help="of a bag, where several fit"
+    )
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:
@@ -114,7 +117,13 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
     """The values of `add_given`."""
     from horizon_dl.data.given import Given
 
-    return Given(arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude)
+    return Given(
+        camera=arguments.camera,
+        attitude=arguments.attitude,
+        time_offset_s=arguments.time_offset,
+        needs_attitude=needs_attitude,
+        topics=tuple(arguments.topic),
+    )
 
 
 def open_data(arguments: argparse.Namespace) -> "Recording":
