@@ -110,7 +110,7 @@ def measure(data: Path, count: int) -> dict[str, list[Taken]]:
         packed = timed("  replay: pack", pack, newest, half_elevation(view.elevation))
         timed("  replay: unpack one", unpack, packed)
         drawn = timed("  replay: draw a batch's frames", learner.memory.draw, config.online.batch - 1)
-        batch = timed("  crops", draw_batch, [newest, *drawn], config.train.crop, rng)
+        batch = timed("  crops", draw_batch, [newest, *drawn], config.online.crop, rng)
         timed("  step", learner._step, batch)
     return times
 

@@ -66,6 +66,16 @@ def test_crops_keep_image_target_and_mask_together():
     assert torch.equal(batch.weights > 0, batch.images[:, :1] > 128.5 / 255)
 
 
+def test_pasted_pieces_bring_their_target_and_mask_along():
+    rng = np.random.default_rng(0)
+    batch = draw_batch([frame_of(value) for value in (10, 100, 200)], 32, rng, pastes=2)
+    assert torch.allclose(batch.images[:, :1], batch.targets, atol=1e-3)
+    for image in batch.images:
+        assert len(image[0].unique()) > 1  # other frames' pieces are in every crop
+    plain = draw_batch([frame_of(value) for value in (10, 100, 200)], 32, rng)
+    assert all(len(image[0].unique()) == 1 for image in plain.images)
+
+
 def test_crops_shrink_to_small_frames():
     assert draw_batch([frame_of(1)], 96, np.random.default_rng(0)).images.shape == (1, 3, 40, 50)
 

@@ -90,5 +90,6 @@ class CropStream(IterableDataset[Batch]):
         size, count, number = self._config.batch, process_count(), process_number()
         own = slice(number * size, (number + 1) * size)
         while True:
-            everything = draw_batch(self._pool.draw(size * count), self._config.crop, self._rng)
+            frames = self._pool.draw(size * count)
+            everything = draw_batch(frames, self._config.crop, self._rng, self._config.pastes)
             yield Batch(*(part[own] for part in everything))

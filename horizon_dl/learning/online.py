@@ -128,9 +128,7 @@ class OnlineLearner:
         # Unpacked once a frame, not once a step: each step takes other crops of them.
         replayed = self.memory.draw(settings.batch - NEWEST_CROPS)
         for _ in range(settings.warm_up_steps if early else settings.steps_per_frame):
-            yield self._step(
-                draw_batch([newest] * NEWEST_CROPS + replayed, self.config.train.crop, self._rng)
-            )
+            yield self._step(draw_batch([newest] * NEWEST_CROPS + replayed, settings.crop, self._rng))
 
     def frozen(self, info: dict[str, Any]) -> Callable[[], Run]:
         """What the learner is now, as a run that is ready to be saved or exported.

@@ -3,9 +3,10 @@
 import logging
 import time
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -18,8 +19,7 @@ from tqdm import tqdm
 
 from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.frames.frame import Recording
-from horizon_dl.geometry.view import View
-from horizon_dl.learning.crops import TrainingFrame, training_frame
+from horizon_dl.learning.coarse import coarse_frame
 from horizon_dl.learning.distributed import SyncBatchNorm
 from horizon_dl.learning.module import CropStream, HorizonModule
 from horizon_dl.learning.run import Run
@@ -27,7 +27,7 @@ from horizon_dl.learning.store import FramePool, FrameStore
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.obstacles.percentile import stream_percentile
-from horizon_dl.uncertainty.dropout import p_above_of_all_depths, sample_p_above
+from horizon_dl.uncertainty.dropout import sample_p_above
 from horizon_dl.uncertainty.measures import binary_entropy
 
 THRESHOLD_FRAMES = 50
@@ -66,7 +66,7 @@ def train_net(
             pool = FramePool(
                 store,
                 indices,
-                make_frame=_frame_maker(config, net if number else None),
+                make_frame=partial(coarse_frame, config=config, guide=net if number else None),
                 memory_mb=config.train.memory_mb,
                 rng=rng,
                 progress=progress,
@@ -78,12 +78,6 @@ def train_net(
             _trainer(config.trainer, steps, logger, progress).fit(module, crops)
             net = cast(HorizonFCN, module.average.module).cpu().eval()
     return net
-
-
-def _frame_maker(config: Config, net: HorizonFCN | None) -> Callable[[View], TrainingFrame]:
-    if net is None:
-        return lambda view: training_frame(view, config)
-    return lambda view: training_frame(view, config, p_above_of_all_depths(net, view.image))
 
 
 def _trainer(
