@@ -9,7 +9,8 @@ from horizon_dl.config import load_config
 from horizon_dl.errors import InputError
 from horizon_dl.frames.formats import open_recording
 from horizon_dl.learning.averaging import averaged
-from horizon_dl.learning.crops import TrainingFrame, draw_batch, training_frame
+from horizon_dl.learning.coarse import coarse_frame
+from horizon_dl.learning.crops import TrainingFrame, draw_batch
 from horizon_dl.learning.module import horizon_loss
 from horizon_dl.learning.online import OnlineLearner
 from horizon_dl.learning.run import load_run, save_run
@@ -82,7 +83,7 @@ def test_crops_shrink_to_small_frames():
 
 def test_pixels_in_the_band_do_not_count(toy, config):
     view = next(FrameStore(toy, config).views([0]))
-    frame = training_frame(view, config)
+    frame = coarse_frame(view, config, None)
     near = np.abs(view.elevation) < config.labels.band_rad
     assert near.any()
     assert np.array_equal(frame.counts, ~near)
@@ -93,7 +94,7 @@ def test_a_pool_too_small_for_the_set_exchanges_its_frames(toy, config):
     rng = np.random.default_rng(0)
 
     def make(view):
-        return training_frame(view, config)
+        return coarse_frame(view, config, None)
 
     whole = FramePool(store, range(24), make_frame=make, memory_mb=64, rng=rng)
     assert whole.complete

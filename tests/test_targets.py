@@ -6,10 +6,8 @@ from hypothesis import strategies as st
 from scipy import ndimage, sparse
 from scipy.sparse.csgraph import dijkstra
 
-from horizon_dl.config import Config, TargetConfig
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.view import View
-from horizon_dl.learning.crops import training_frame
 from horizon_dl.targets.geodesic import (
     BLUR,
     CHROMA,
@@ -340,8 +338,6 @@ def test_what_the_net_says_reaches_the_target(learning):
     target = make_target(learning, view, p_above)
     np.testing.assert_array_equal(target, TARGETS[learning](view.image, view.elevation, p_above))
     assert np.abs(target - make_target(learning, view)).mean() > 0.01
-    frame = training_frame(view, Config(target=TargetConfig(kind=learning)), p_above)
-    np.testing.assert_array_equal(frame.target, target.astype(np.float16))
 
 
 def test_nothing_sure_in_reach_says_nothing_and_no_horizon_is_plain():

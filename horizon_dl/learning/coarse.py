@@ -1,4 +1,4 @@
-"""Targets at half the size, for learning in one pass.
+"""Training frames: targets at half the size, and where they count.
 
 The net judges at a quarter of the image's size, and diffusion at half the size takes a quarter of the time.
 """
@@ -60,7 +60,7 @@ def doubled(target: NDArray[np.float16], size: tuple[int, ...]) -> NDArray[np.fl
 
 
 def coarse_frame(view: View, config: Config, guide: HorizonFCN | None) -> TrainingFrame:
-    """As `training_frame`, with the target of half the size; `guide` as for `coarse_target`."""
+    """A view with its target, made at half its size, and where it counts; `guide` as for `coarse_target`."""
     target = coarse_target(view.image, half_elevation(view.elevation), config, guide)
     counts = horizon_label(view.elevation, config.labels.band_rad) != IGNORED
     return TrainingFrame(view.image, target, counts)

@@ -9,11 +9,6 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from horizon_dl.config import Config
-from horizon_dl.geometry.horizon import IGNORED, horizon_label
-from horizon_dl.geometry.view import View
-from horizon_dl.targets.targets import make_target
-
 PASTE_SIDES = (0.33, 0.83)
 """Least and largest side of a pasted piece, in sides of the crop. Chosen on room and KITTI."""
 
@@ -36,13 +31,6 @@ class TrainingFrame:
     def nbytes(self) -> int:
         """Bytes held."""
         return self.image.nbytes + self.target.nbytes + self.counts.nbytes
-
-
-def training_frame(view: View, config: Config, p_above: NDArray[np.float32] | None = None) -> TrainingFrame:
-    """The target of a view, and where it counts; see `make_target` for `p_above`."""
-    target = make_target(config.target.kind, view, p_above)
-    counts = horizon_label(view.elevation, config.labels.band_rad) != IGNORED
-    return TrainingFrame(view.image, np.nan_to_num(target).astype(np.float16), counts)
 
 
 class Batch(NamedTuple):
