@@ -33,6 +33,12 @@ def add_given(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="added to a log's times to give those of the images (default: 0)",
     )
+    parser.add_argument(
+        "--time-unit", choices=("s", "ms", "us", "ns"), help="of the times in a table (found if left out)"
+    )
+    parser.add_argument(
+        "--angle-unit", choices=("rad", "deg"), help="of the angles in a table (found if left out)"
+    )
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:
@@ -99,7 +105,14 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
     """The values of `add_given`."""
     from horizon_dl.data.given import Given
 
-    return Given(arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude)
+    return Given(
+        arguments.camera,
+        arguments.attitude,
+        arguments.time_offset,
+        needs_attitude,
+        time_unit=arguments.time_unit,
+        angle_unit=arguments.angle_unit,
+    )
 
 
 def open_data(arguments: argparse.Namespace) -> "Recording":

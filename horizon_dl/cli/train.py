@@ -8,6 +8,7 @@ RUN then holds weights.safetensors, config.yaml, run.json and TensorBoard logs.
 
 import argparse
 
+from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config, say_skipped
 
 
@@ -16,12 +17,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_config(parser)
     add_out(parser)
+    add_force(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Train on all frames and write the run folder."""
     recording = open_data(arguments)
     config = resolve_config(arguments)
+    stop_if_unfit(recording, config, force=arguments.force)
 
     from horizon_dl.output import output_folder
     from horizon_dl.training.run_folder import save_run

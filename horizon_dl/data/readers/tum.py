@@ -15,7 +15,7 @@ from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
 from horizon_dl.data.readers.beside import files_beside
 from horizon_dl.data.readers.parsing import MAX_GAP_S, by_time, check_overlap, read_lines, read_numbers
-from horizon_dl.data.readers.tum_lists import find_depths, find_images, find_trajectory
+from horizon_dl.data.readers.tum_lists import find_depths, find_images, find_trajectory, has_lists
 from horizon_dl.data.readers.world_axes import Z_UP, World, find_world
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
@@ -47,7 +47,7 @@ CAMERAS = {
 
 def recognises(folder: Path) -> bool:
     """Whether the folder looks like this format."""
-    return find_images(folder) is not None and find_trajectory(folder) is not None
+    return has_lists(folder)
 
 
 def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
@@ -56,11 +56,11 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     Raises:
         InputError: a file is missing, the camera is not known, or trajectory and images never meet in time.
     """
-    images = find_images(folder) or []
     truth = find_trajectory(folder) or folder / "groundtruth.txt"
-    if not images:
-        raise InputError(folder / "rgb.txt", "is missing", f"needed: {NEEDS}")
     samples = read_numbers(truth, 8)
+    images = find_images(folder)
+    if not images:
+        raise InputError(folder / "rgb.txt", "is missing or empty", f"needed: {NEEDS}")
     times, poses = by_time(samples[:, 0], samples[:, 1:])
     usable = np.linalg.norm(poses[:, 3:7], axis=-1) > 1e-6
     times, poses = times[usable], poses[usable]

@@ -18,18 +18,24 @@ TRAJECTORIES = (
 Listed = list[tuple[float, str]]
 
 
-def find_images(folder: Path) -> Listed | None:
-    """Times and names of the images, from `rgb.txt` or a list of associations; None where there is neither.
+def has_lists(folder: Path) -> bool:
+    """Whether the folder looks like this format: `rgb.txt` alone tells it, other names with a trajectory."""
+    found = _list_of(folder, IMAGE_LISTS)
+    return found is not None and (found.name == IMAGE_LISTS[0] or find_trajectory(folder) is not None)
+
+
+def find_images(folder: Path) -> Listed:
+    """Times and names of the images, from `rgb.txt` or a list of associations; empty where there is neither.
 
     Raises:
         InputError: a line of the list is not `time name`.
     """
-    return _listed(folder, IMAGE_LISTS, depth=False)
+    return _listed(_list_of(folder, IMAGE_LISTS), depth=False)
 
 
 def find_depths(folder: Path) -> Listed:
     """As `find_images`, of the depth images; empty where there are none."""
-    return _listed(folder, ("depth.txt",), depth=True) or []
+    return _listed(_list_of(folder, ("depth.txt",)), depth=True)
 
 
 def find_trajectory(folder: Path) -> Path | None:
@@ -38,14 +44,15 @@ def find_trajectory(folder: Path) -> Path | None:
     return next(iter([*named, *sorted(folder.glob("*.freiburg"))]), None)
 
 
-def _listed(folder: Path, names: tuple[str, ...], *, depth: bool) -> Listed | None:
-    for name in names:
-        if (folder / name).is_file():
-            return read_list(folder / name)
-    for name in ASSOCIATIONS:
-        if (folder / name).is_file():
-            return read_associations(folder / name, depth=depth)
-    return None
+def _list_of(folder: Path, names: tuple[str, ...]) -> Path | None:
+    places = (folder / name for name in (*names, *ASSOCIATIONS))
+    return next((place for place in places if place.is_file()), None)
+
+
+def _listed(path: Path | None, *, depth: bool) -> Listed:
+    if path is None:
+        return []
+    return read_associations(path, depth=depth) if path.name in ASSOCIATIONS else read_list(path)
 
 
 def read_list(path: Path) -> Listed:
