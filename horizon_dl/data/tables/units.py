@@ -15,8 +15,8 @@ UNIT_NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": 
 EPOCH_S = (1e9, 2.3e9)
 """Unix time from 2001 to 2042."""
 
-NAMED_STEP_S = (2e-5, 20.0)
-"""Steps that make no one doubt a named unit: 50 kHz to three pictures a minute."""
+SHORTEST_NAMED_S = 2e-5
+"""Shorter steps, of over 50 kHz, make one doubt a named unit; so do longer ones than the clock's kind has."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def clock_unit(values: Floats, named: str | None, steps: Steps) -> str:
         return named or _epoch_unit(known) or "s"
     step = float(np.median(forward))
     whole = bool((known == np.round(known)).all())
-    if named and (NAMED_STEP_S[0] <= step * TIME_UNITS[named] <= NAMED_STEP_S[1] or not whole):
+    if named and (SHORTEST_NAMED_S <= step * TIME_UNITS[named] <= steps.longest_s or not whole):
         return named
     fitting = [u for u, size in TIME_UNITS.items() if steps.shortest_s <= step * size <= steps.longest_s]
     epoch = [unit for unit in fitting if _is_epoch(known, unit)]
