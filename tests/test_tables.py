@@ -241,12 +241,12 @@ def test_a_unit_that_is_not_named_is_right_or_in_doubt(unit: str, rate: float, s
         assert unit in possible_units(values, steps)
 
 
-def possible_units(values: np.ndarray, steps: Steps) -> str:
-    """The unit that is found, or the words that name the possible ones."""
+def possible_units(values: np.ndarray, steps: Steps) -> list[str]:
+    """The unit that is found, or those that are named as possible."""
     try:
-        return clock_unit(values, None, steps)
+        return [clock_unit(values, None, steps)]
     except DoubtError as doubt:
-        return doubt.way_out
+        return doubt.way_out.split()
 
 
 def test_a_slow_clock_is_not_taken_for_another(tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def deep_values(path: Path, image: Image.Image) -> NDArray[np.uint16]:
 
 
 def decode(path: Path, *, lower: bool = False) -> Image.Image:
-    """The decoded image, as stored.
+    """The decoded image, as stored; Pillow turns TIFF images itself, and they have no orientation then.
 
     Args:
         path: of the file.
@@ -104,7 +104,9 @@ def decode(path: Path, *, lower: bool = False) -> Image.Image:
         FrameError: it cannot be read.
     """
     try:
-        with Image.open(path) as image:
+        # By its file and not by its name: Pillow maps files with a name into memory, and then gets TIFF images
+        # wrong that are to be turned.
+        with path.open("rb") as file, Image.open(file) as image:
             deep = [DEEP in str(tile[3]) for tile in image.tile]
             if lower:
                 image.tile = [_lower(tile) for tile in image.tile]
