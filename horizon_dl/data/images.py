@@ -104,8 +104,8 @@ def decode(path: Path, *, lower: bool = False) -> Image.Image:
         FrameError: it cannot be read.
     """
     try:
-        # By its file and not by its name: Pillow maps files with a name into memory, and then gets TIFF images
-        # wrong that are to be turned.
+        # By its file and not by its name: Pillow maps files with a name into memory, and then gets those TIFF
+        # images wrong that are to be turned.
         with path.open("rb") as file, Image.open(file) as image:
             deep = [DEEP in str(tile[3]) for tile in image.tile]
             if lower:
