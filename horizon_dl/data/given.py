@@ -15,6 +15,7 @@ class Given:
         needs_attitude: a recording without any attitude is refused.
         time_unit: `--time-unit`: s, ms, us or ns, of the clock in a table.
         angle_unit: `--angle-unit`: rad or deg, of the angles in a table.
+        topics: of a bag, `--topic`: which of several are meant.
     """
 
     camera: Path | None = None
@@ -23,6 +24,7 @@ class Given:
     needs_attitude: bool = True
     time_unit: str | None = None
     angle_unit: str | None = None
+    topics: tuple[str, ...] = ()
 
 
 NOTHING_GIVEN = Given()

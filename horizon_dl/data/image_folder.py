@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.bit_depth import FULL, used_bits
 from horizon_dl.data.frame import FrameHeader, RangeImage
-from horizon_dl.data.images import load_rgb, load_truth, load_uint16
+from horizon_dl.data.images import MOST_PIXELS, load_rgb, load_truth, load_uint16, most_pixels
 from horizon_dl.data.orientation import orientation_of_file, upright
 from horizon_dl.data.source import MountRpy, Pixels, Recording
 from horizon_dl.errors import FrameError, InputError
@@ -48,19 +48,21 @@ class ImageLoader:
         files: of all frames.
         rotate_quarter_turns_ccw: how a stored image is turned to be upright.
         range_unit: of all range images.
+        most_pixels: of an image that is decoded.
         bits: how many of 16 bits the pictures use; see `bit_depth`.
     """
 
     files: tuple[FrameFiles, ...]
     rotate_quarter_turns_ccw: int = 0
     range_unit: RangeUnit = RangeUnit()
+    most_pixels: int = MOST_PIXELS
     bits: int = FULL
 
     def __call__(self, index: int, with_truth: bool) -> Pixels:
         """See `Loader`."""
         files = self.files[index]
         image = np.ascontiguousarray(
-            np.rot90(load_rgb(files.image, self.bits), self.rotate_quarter_turns_ccw)
+            np.rot90(load_rgb(files.image, self.most_pixels, self.bits), self.rotate_quarter_turns_ccw)
         )
         truth = load_truth(files.truth, image.shape[:2]) if with_truth and files.truth else None
         ranges = self._ranges(files, image.shape) if with_truth and files.ranges else None
@@ -157,17 +159,20 @@ def image_recording(
     if all(header.up_cam is None for header in headers):
         problem = f"no frame has an attitude from {attitude_from}"
         raise InputError(where, problem, "check that its values are numbers")
-    load, note = image_loader(files, rotate_quarter_turns_ccw, range_unit)
+    load, note = image_loader(files, rotate_quarter_turns_ccw, range_unit, most_pixels(camera))
     return Recording(name, format, camera, headers, load, mount_rpy_rad, (*notes, *note))
 
 
 def image_loader(
-    files: tuple[FrameFiles, ...], rotate_quarter_turns_ccw: int = 0, range_unit: RangeUnit = RangeUnit()
+    files: tuple[FrameFiles, ...],
+    rotate_quarter_turns_ccw: int = 0,
+    range_unit: RangeUnit = RangeUnit(),
+    most: int = MOST_PIXELS,
 ) -> tuple[ImageLoader, tuple[str, ...]]:
     """The loader of some files, and a note where their pictures use some of 16 bits only."""
     bits = used_bits([one.image for one in files])
     note = () if bits == FULL else (f"the pictures use {bits} of their 16 bits, and are scaled by that",)
-    return ImageLoader(files, rotate_quarter_turns_ccw, range_unit, bits), note
+    return ImageLoader(files, rotate_quarter_turns_ccw, range_unit, most, bits), note
 
 
 def unique_names(names: Sequence[str]) -> list[str]:

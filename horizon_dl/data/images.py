@@ -1,5 +1,6 @@
 """Image files: decoded, turned as their EXIF says, checked, brought to 8 bits of RGB."""
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +10,30 @@ from PIL import Image
 
 from horizon_dl.data.frame import Truth
 from horizon_dl.data.orientation import orientation_of, upright
-from horizon_dl.errors import FrameError
+from horizon_dl.data.regular_file import check_regular
+from horizon_dl.errors import FrameError, InputError
+from horizon_dl.geometry.camera import Camera
+
+FORMATS = ("JPEG", "PNG", "BMP", "PPM", "TIFF", "WEBP")
+"""Decoders that strangers' files may reach; some of Pillow's others start programs."""
+
+MOST_PIXELS = 36_000_000
+"""Where no camera is known: decoded and brought to RGB it takes a quarter of a gigabyte."""
+
+LEAST_LIMIT = 4_000_000
+
+# Sizes are checked here, before anything is decoded.
+warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
 
 DEEP = ";16"
 """In Pillow's names of raw modes: 16 bits a channel; of several channels it keeps the upper 8."""
+
+
+def most_pixels(camera: Camera | None) -> int:
+    """How many pixels an image may have; one of another size than the camera's is still read."""
+    if camera is None:
+        return MOST_PIXELS
+    return max(LEAST_LIMIT, 4 * camera.width * camera.height)
 
 
 def load_uint16(path: Path) -> NDArray[np.uint16]:
@@ -27,17 +48,18 @@ def load_uint16(path: Path) -> NDArray[np.uint16]:
     return np.asarray(image).astype(np.uint16)
 
 
-def load_rgb(path: Path, bits: int = 16) -> NDArray[np.uint8]:
+def load_rgb(path: Path, most_pixels: int = MOST_PIXELS, bits: int = 16) -> NDArray[np.uint8]:
     """(H, W, 3) uint8 RGB of an image file, upright as every viewer shows it (EXIF orientation applied).
 
     Args:
         path: of the file.
+        most_pixels: of an image that is decoded.
         bits: how many of 16 bits a file of more than 8 uses; larger values are clipped.
 
     Raises:
-        FrameError: it cannot be read.
+        FrameError: it cannot be read, or has more pixels than that.
     """
-    image = decode(path)
+    image = decode(path, most_pixels)
     if bits < 16 and is_deep(image):
         pixels = from_deep(deep_values(path, image), bits)
     else:
@@ -58,7 +80,7 @@ def to_rgb(image: Image.Image, where: str | Path = "image") -> NDArray[np.uint8]
         return np.repeat((values // 256).astype(np.uint8)[..., None], 3, axis=-1)
     if image.mode == "F":
         raise FrameError(where, "holds floating-point grey values", "store it with 8 or 16 bits")
-    return np.array(image.convert("RGB"))
+    return np.array(image if image.mode == "RGB" else image.convert("RGB"))
 
 
 def from_deep(values: NDArray[np.uint16], bits: int) -> NDArray[np.uint8]:
@@ -93,31 +115,43 @@ def deep_values(path: Path, image: Image.Image) -> NDArray[np.uint16]:
     return np.asarray(upper << 8 | lower, np.uint16)
 
 
-def decode(path: Path, *, lower: bool = False) -> Image.Image:
+def decode(path: Path, most_pixels: int = MOST_PIXELS, *, lower: bool = False) -> Image.Image:
     """The decoded image, as stored; Pillow turns TIFF images itself, and they have no orientation then.
+
+    Its size is looked at before it is decoded, since some hundred bytes may hold gigabytes.
 
     Args:
         path: of the file.
+        most_pixels: of an image that is decoded.
         lower: of 16 bits in several channels, the lower 8 in place of the upper ones.
 
     Raises:
-        FrameError: it cannot be read.
+        FrameError: it cannot be read, or is larger than that.
     """
     try:
+        check_regular(path)
         # By its file and not by its name: Pillow maps files with a name into memory, and then gets those TIFF
         # images wrong that are to be turned.
-        with path.open("rb") as file, Image.open(file) as image:
-            deep = [DEEP in str(tile[3]) for tile in image.tile]
+        with path.open("rb") as file, Image.open(file, formats=FORMATS) as image:
+            if image.width * image.height > most_pixels:
+                problem = f"is {image.width}x{image.height} pixels, more than is read here"
+                raise FrameError(path, problem, "use the image size that the camera was calibrated for")
+            deep = any(DEEP in str(tile[3]) for tile in image.tile)
             if lower:
                 image.tile = [_lower(tile) for tile in image.tile]
             image.load()
-            decoded = image.copy()
-            if any(deep):
-                decoded.info[DEEP] = True
-            return decoded
+            if deep:
+                image.info[DEEP] = True
+            return image
+    except FrameError:
+        raise
+    except InputError as error:
+        raise FrameError(*error.args) from None
     except FileNotFoundError:
         raise FrameError(path, "is missing", "restore the file or leave the frame out") from None
-    except (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError) as error:
+    except (MemoryError, Image.DecompressionBombError):
+        raise FrameError(path, "is too large", "store it smaller") from None
+    except Exception as error:  # Pillow's decoders have a dozen of their own for damaged files
         # Pillow's message may hold a path or an address of an object; the kind is enough.
         kind = "is truncated" if "truncated" in str(error) else "cannot be read as an image"
         raise FrameError(path, kind, "restore the file or leave the frame out") from None

@@ -1,8 +1,11 @@
 """Files that belong to images and lie in a folder beside them: labels, depth, ranges."""
 
+import os
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
+
+from horizon_dl.data.readers.parsing import LONGEST_NAME
 
 
 def files_beside(folder: Path, kind: str, names: Sequence[str]) -> list[Path | None]:
@@ -29,9 +32,13 @@ def files_beside(folder: Path, kind: str, names: Sequence[str]) -> list[Path | N
     found: list[Path | None] = []
     for path in paths:
         places = ((folder / kind).joinpath(*path[start:]) for start in _own(path, ends))
-        files = (place.with_name(f"{place.name}.png") for place in places)
+        files = (place.with_name(f"{place.name}.png") for place in places if _possible(place))
         found.append(next((file for file in files if file.is_file()), None))
     return found
+
+
+def _possible(place: Path) -> bool:
+    return bool(place.name) and len(os.fsencode(place.name)) + len(".png") <= LONGEST_NAME
 
 
 def _own(path: list[str], ends: Counter[tuple[str, ...]]) -> list[int]:

@@ -22,9 +22,11 @@ from horizon_dl.data.readers.parsing import (
     by_time,
     check_overlap,
     images_in,
+    inside_folder,
     read_lines,
     read_numbers,
     relative_name,
+    whole_number,
 )
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
@@ -33,6 +35,9 @@ from horizon_dl.geometry.attitude import bracket, unit
 Floats = NDArray[np.float64]
 
 NAME = "euroc"
+MOST_IMU = 1e4
+"""rad/s and m/s^2: no IMU measures more."""
+
 NEEDS = "mav0/cam0 (data, data.csv, sensor.yaml) and mav0/state_groundtruth_estimate0, mocap0 or imu0"
 
 
@@ -89,7 +94,8 @@ def up_in_body(root: Path, image_times_s: Floats) -> tuple[Path, list[Floats | N
     if not imu.is_file():
         raise InputError(root, "has neither state_groundtruth_estimate0, mocap0 nor imu0", "copy one of them")
     samples = read_numbers(imu, 7)
-    times, rates = by_time(samples[:, 0] * NANOSECOND, samples[:, 1:7])
+    possible = (np.abs(samples[:, 1:7]) < MOST_IMU).all(axis=-1)
+    times, rates = by_time(samples[possible, 0] * NANOSECOND, samples[possible, 1:7])
     check_overlap(imu, image_times_s, times)
     up_samples = estimate_up(times, rates[:, :3], rates[:, 3:])
     ups = [_up_at(times, up_samples, t) for t in image_times_s.tolist()]
@@ -104,20 +110,22 @@ def list_images(cam: Path) -> list[tuple[int, Path]]:
     """
     path = cam / "data.csv"
     if not path.is_file():
-        return [(int(image.stem), image) for image in images_in(cam / "data") if image.stem.isdigit()]
+        numbered = ((whole_number(image.stem), image) for image in images_in(cam / "data"))
+        return [(number, image) for number, image in numbered if number is not None]
     pairs: list[tuple[int, Path]] = []
     for line in read_lines(path):
         if line.lstrip().startswith("#"):
             continue
         stamp, *rest = re.split(r"[,;\s]+", line.strip(), maxsplit=1)
         name = rest[0].strip(" ,;") if rest else ""
-        if not stamp.isdigit() or not name:
+        number = whole_number(stamp)
+        if number is None or not name:
             if not pairs and not re.match(r"[\d.+-]", stamp):
                 continue  # a header without its sign
             raise InputError(
                 path, f"holds the line {line.strip()[:40]!r}", "lines are 'nanoseconds,filename'"
             )
-        pairs.append((int(stamp), cam / "data" / name))
+        pairs.append((number, inside_folder(path, cam / "data", name)))
     return pairs
 
 

@@ -7,7 +7,14 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import Fields, load_yaml
 from horizon_dl.data.calibration.calibration_kinds import body_from_camera
-from horizon_dl.data.readers.parsing import MAX_GAP_S, by_time, check_overlap, read_lines, read_numbers
+from horizon_dl.data.readers.parsing import (
+    MAX_GAP_S,
+    by_time,
+    check_overlap,
+    read_lines,
+    read_numbers,
+    usable_quaternions,
+)
 from horizon_dl.data.tables.columns import words_of
 from horizon_dl.geometry.attitude import interpolate, rotation_from_quaternion
 
@@ -40,7 +47,7 @@ def read_ups(path: Path, image_times_s: Floats) -> list[Floats | None]:
         InputError: the file cannot be read, or its times never meet the images'.
     """
     samples = read_numbers(path, 8)
-    samples = samples[np.linalg.norm(samples[:, 4:8], axis=-1) > 1e-6]
+    samples = samples[usable_quaternions(samples[:, 4:8])]
     quaternions = samples[:, [4 + place for place in _order(path)]]
     times, quaternions = by_time(samples[:, 0] * NANOSECOND, quaternions)
     check_overlap(path, image_times_s, times)

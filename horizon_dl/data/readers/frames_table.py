@@ -2,9 +2,9 @@
 
 from pathlib import Path, PurePosixPath
 
-from horizon_dl.data.readers.parsing import IMAGE_SUFFIXES
+from horizon_dl.data.readers.parsing import IMAGE_SUFFIXES, inside_folder
 from horizon_dl.data.tables.columns import find_columns
-from horizon_dl.data.tables.table import Table, read_table
+from horizon_dl.data.tables.table import read_table
 from horizon_dl.errors import InputError
 
 NAMES = ("frames.csv", "frames.tsv", "frames.txt")
@@ -22,28 +22,37 @@ def frames_table(folder: Path) -> Path | None:
     named = [path for path in files if path.name.lower() in NAMES]
     if named:
         return min(named, key=lambda path: NAMES.index(path.name.lower()))
-    fitting = [path for path in files[:MOST_TABLES] if _lists_images(folder, path)]
+    fitting = [path for path in files[:MOST_TABLES] if _lists_images(path)]
     return fitting[0] if len(fitting) == 1 else None
 
 
-def image_paths(folder: Path, names: list[str]) -> list[Path]:
-    """The images that a table names: beside the table, or in the one folder of images beside it."""
-    plain = [folder / name for name in names]
-    if not plain or plain[0].is_file():
-        return plain
-    for place in (*IMAGE_FOLDERS, ""):
-        # A table from another machine may hold whole paths: the end of them counts.
-        for end in (PurePosixPath, _last):
-            if (folder / place / end(names[0])).is_file():
-                return [folder / place / end(name) for name in names]
-    return plain
+def image_paths(table: Path, cells: list[str]) -> list[Path]:
+    """The images that a table names: beside the table, or in the one folder of images beside it.
+
+    Raises:
+        InputError: a name leaves the table's folder.
+    """
+    folder = table.parent
+    names = [cell.replace("\\", "/").removeprefix("./") for cell in cells]
+    if names and not _is_there(table, names[0]):
+        # Images in a folder of another name; a table from another machine holds whole paths of which the
+        # end counts.
+        for place in (*IMAGE_FOLDERS, ""):
+            for ends in (names, [PurePosixPath(name).name for name in names]):
+                moved = [str(PurePosixPath(place, end)) for end in ends]
+                if _is_there(table, moved[0]):
+                    return [inside_folder(table, folder, name) for name in moved]
+    return [inside_folder(table, folder, name) for name in names]
 
 
-def _last(name: str) -> PurePosixPath:
-    return PurePosixPath(PurePosixPath(name).name)
+def _is_there(table: Path, name: str) -> bool:
+    try:
+        return inside_folder(table, table.parent, name).is_file()
+    except InputError:
+        return False
 
 
-def _lists_images(folder: Path, path: Path) -> bool:
+def _lists_images(path: Path) -> bool:
     """Whether a table has columns of images, times and attitudes, and its first image is there."""
     if path.stat().st_size > LARGEST_BYTES:
         return False
@@ -55,9 +64,12 @@ def _lists_images(folder: Path, path: Path) -> bool:
     attitude = {"roll", "pitch"} <= columns.keys() or {"qw", "qx", "qy", "qz"} <= columns.keys()
     if not attitude or not {"image", "time"} <= columns.keys():
         return False
-    return _names_an_image(folder, table, columns["image"].name)
+    name = table.texts(columns["image"].name)[0]
+    return name.lower().endswith(IMAGE_SUFFIXES) and _first_is_there(path, name)
 
 
-def _names_an_image(folder: Path, table: Table, column: str) -> bool:
-    name = table.texts(column)[0].replace("\\", "/")
-    return name.lower().endswith(IMAGE_SUFFIXES) and image_paths(folder, [name])[0].is_file()
+def _first_is_there(path: Path, name: str) -> bool:
+    try:
+        return image_paths(path, [name])[0].is_file()
+    except InputError:
+        return False

@@ -17,7 +17,7 @@ from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.readers.beside import files_beside
 from horizon_dl.data.readers.frames_table import frames_table, image_paths
-from horizon_dl.data.readers.parsing import check_overlap
+from horizon_dl.data.readers.parsing import MOST_HEIGHT_M, check_overlap, relative_name
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
 from horizon_dl.data.tables.columns import Column, find_columns, require
@@ -51,9 +51,9 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     for index, cell in enumerate(cells):
         if not cell or not math.isfinite(times[index]):
             raise InputError(path, f"row {index + 1} has no image or no time", "complete or remove the row")
-    names = [cell.replace("\\", "/").removeprefix("./") for cell in cells]
+    images = image_paths(path, cells)
+    names = [relative_name(image, folder) for image in images]
     headers, more_notes = _headers(table, columns, names, times.tolist(), calibration, given)
-    images = image_paths(folder, names)
     truths, depths = (files_beside(folder, kind, names) for kind in ("labels", "depth"))
     files = [FrameFiles(*one) for one in zip(images, truths, depths, strict=True)]
     return image_recording(
@@ -108,4 +108,4 @@ def _headers_by_log(
 
 
 def _known(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+    return float(value) if abs(value) < MOST_HEIGHT_M else None

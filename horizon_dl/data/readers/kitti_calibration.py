@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.calibration.calibration import MAX_SIDE_PX
 from horizon_dl.data.readers.parsing import read_lines
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
@@ -68,8 +69,8 @@ def projection_camera(path: Path, projection: Floats, size: tuple[int, int]) -> 
 
 
 def _camera(path: Path, size: tuple[int, int], matrix: Floats, lens: tuple[float, ...] = ()) -> Camera:
-    if min(*size, matrix[0, 0], matrix[1, 1]) < 1:
-        raise InputError(path, "holds a size or focal length that is not positive", "copy the file again")
+    if min(*size, matrix[0, 0], matrix[1, 1]) < 1 or max(size) > MAX_SIDE_PX:
+        raise InputError(path, "holds a size or focal length of no camera", "copy the file again")
     intrinsics = (float(matrix[0, 0]), float(matrix[1, 1]), float(matrix[0, 2]), float(matrix[1, 2]))
     return Camera("radtan", *size, *intrinsics, lens) if any(lens) else Camera("pinhole", *size, *intrinsics)
 

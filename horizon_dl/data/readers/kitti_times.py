@@ -6,13 +6,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.readers.parsing import MAX_GAP_S, read_lines
+from horizon_dl.data.readers.parsing import MAX_GAP_S, read_lines, whole_number
+from horizon_dl.data.regular_file import read_regular
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy
 
 Floats = NDArray[np.float64]
 
 FRAME_PERIOD_S = 0.1
+MOST_FRAMES = 10_000_000
+MOST_OXTS = 4096
+"""Bytes of a frame's file: 30 numbers."""
+
 EDGE_S = 0.05
 """How far outside of the oxts' times an image takes the nearest one: half a period of the camera."""
 
@@ -57,8 +62,9 @@ def _clocks(drive: Path, images: list[Path], numbers: list[int], oxts: list[int]
 
 def file_numbers(paths: list[Path]) -> list[int]:
     """The numbers that name the files, or their places where they have other names."""
-    named = all(path.stem.isdigit() for path in paths)
-    return [int(path.stem) if named else place for place, path in enumerate(paths)]
+    numbers = [whole_number(path.stem) for path in paths]
+    known = [number for number in numbers if number is not None and number < MOST_FRAMES]
+    return known if len(known) == len(paths) else [*range(len(paths))]
 
 
 def parse_time(path: Path, line: str) -> float:
@@ -109,7 +115,7 @@ def _attitude(path: Path) -> Floats | None:
     gives FRD and a world whose z points down; there roll keeps its sign, pitch and yaw change theirs.
     """
     try:
-        roll, pitch, yaw = (float(cell) for cell in path.read_text(encoding="ascii").split()[3:6])
-    except (OSError, ValueError):
+        roll, pitch, yaw = (float(cell) for cell in read_regular(path, MOST_OXTS).split()[3:6])
+    except (OSError, ValueError, InputError):
         return None
     return quaternion_from_rpy(roll, -pitch, -yaw) if np.isfinite([roll, pitch, yaw]).all() else None

@@ -1,5 +1,6 @@
 """Small helpers that the readers share: rows of numbers, images of a folder, times that have to meet."""
 
+import os
 import re
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
@@ -12,6 +13,13 @@ from horizon_dl.data.tables.text import read_lines as read_lines
 from horizon_dl.errors import InputError
 
 Floats = NDArray[np.float64]
+
+LONGEST_NAME = 255
+"""Bytes; longer ones are an error of the system when they are looked for."""
+
+MOST_DIGITS = 19
+MOST_HEIGHT_M = 1e5
+"""Nothing flies higher: a larger number is none."""
 
 IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".ppm", ".pgm", ".tif", ".tiff", ".webp")
 MAX_GAP_S = 0.2
@@ -99,6 +107,32 @@ def natural(name: str) -> list[tuple[int, str]]:
     """
     parts = re.split(r"(\d+)", name)
     return [(int(part), part) if part.isdecimal() else (-1, part) for part in parts]
+
+
+def inside_folder(where: Path, folder: Path, name: str) -> Path:
+    """The path of a file that a list names.
+
+    Raises:
+        InputError: the name leaves the folder, or is none.
+    """
+    parts = Path(name).parts
+    if not parts or Path(name).is_absolute() or ".." in parts:
+        raise InputError(where, f"names {name[:60]!r}, outside of the folder", "copy the files into it")
+    if "\0" in name or len(name) > 2000 or any(len(os.fsencode(part)) > LONGEST_NAME for part in parts):
+        raise InputError(where, f"names {name[:60]!r}, which is no file name", "correct the line")
+    return folder / name
+
+
+def whole_number(text: str) -> int | None:
+    """The number in a text of at most 19 digits; None for anything else."""
+    return int(text) if text.isascii() and text.isdigit() and len(text) <= MOST_DIGITS else None
+
+
+def usable_quaternions(quaternions: Floats) -> NDArray[np.bool_]:
+    """Which of (N, 4) can be brought to length one."""
+    largest = np.abs(quaternions).max(axis=-1)
+    usable: NDArray[np.bool_] = (largest > 1e-6) & (largest < 1e6)
+    return usable
 
 
 def relative_name(path: Path, folder: Path) -> str:

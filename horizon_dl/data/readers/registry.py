@@ -12,10 +12,12 @@ from horizon_dl.data.readers import (
     kitti,
     kitti_odometry,
     paparazzi,
+    ros_bag,
     tartanair,
     tum,
 )
 from horizon_dl.data.readers.parsing import images_in, relative_name
+from horizon_dl.data.readers.plugins import Plugins, plugins
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 
@@ -41,6 +43,7 @@ MODULES: tuple[Reader, ...] = (
     tartanair,
     tum,
     paparazzi,
+    ros_bag,
     film,
     image_files,
 )
@@ -60,56 +63,75 @@ def open_recording(path: Path, format: str | None = None, given: Given = NOTHING
     path = Path(path)
     if not path.exists():
         raise InputError(path, "does not exist", "give the file or folder of a recording")
+    found = plugins()
+    readers = _all(found)
     if format is None:
-        format, path = recognise(path)
-    if format not in READERS:
-        raise InputError(f"--format {format}", "is not known", "choose one of " + ", ".join(FORMATS))
-    return READERS[format].read(path, given)
+        format, path = _found(path, readers, found.broken)
+    if format not in readers:
+        problem = found.broken.get(format, "is not known")
+        raise InputError(f"--format {format}", problem, "choose one of " + ", ".join(readers))
+    return readers[format].read(path, given)
 
 
-def recognise(path: Path) -> tuple[str, Path]:
+def recognise(path: Path) -> str:
     """Name of the first format that the path, else the one recording in the folders below it, looks like.
 
     Raises:
-        InputError: none, or several recordings below; the error lists them, or what each format needs.
+        InputError: none, or several below; the error lists them, or what each format needs.
     """
-    name = _recognised(path)
-    if name and name != image_files.NAME:
-        return name, path
-    if not name or not images_in(path):
-        below = _below(path) if path.is_dir() else []
+    found = plugins()
+    return _found(path, _all(found), found.broken)[0]
+
+
+def _all(found: Plugins) -> dict[str, Reader]:
+    """The package's own readers and other people's, in the order in which they are asked.
+
+    Other people's go before the two that take whatever is a film or holds pictures; no name is taken over.
+    """
+    general = (film, image_files)
+    special = {reader.NAME: reader for reader in MODULES if reader not in general}
+    last = {reader.NAME: reader for reader in general}
+    others = {name: reader for name, reader in found.readers.items() if name not in READERS}
+    return {**special, **others, **last}
+
+
+def _found(path: Path, readers: dict[str, Reader], broken: dict[str, str]) -> tuple[str, Path]:
+    name = _recognised(path, readers)
+    if path.is_dir() and (name is None or (name == image_files.NAME and not images_in(path))):
+        below = _below(path, readers)
         if len(below) == 1:
             return below[0]
         if below:
             names = ", ".join(relative_name(place, path) for _, place in below[:5])
-            more = ", ..." if len(below) > 5 else ""
-            problem = f"holds {len(below)} recordings: {names}{more}"
+            problem = f"holds {len(below)} recordings: {names}{', ...' * (len(below) > 5)}"
             raise InputError(path, problem, "give the folder of one of them")
-    if name:
+    if name is not None:
         return name, path
-    needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in READERS.items())
+    needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in readers.items())
+    unusable = "".join(f"; {name} is installed, but {why}" for name, why in broken.items())
     empty = path.is_dir() and not any(path.iterdir())
     problem = "is empty" if empty else "is not a recording of a known format"
-    raise InputError(path, problem, f"needed is one of: {needs}")
+    raise InputError(path, problem, f"needed is one of: {needs}{unusable}")
 
 
-def _recognised(path: Path) -> str | None:
-    return next((name for name, reader in READERS.items() if reader.recognises(path)), None)
+def _recognised(path: Path, readers: dict[str, Reader]) -> str | None:
+    return next((name for name, reader in readers.items() if reader.recognises(path)), None)
 
 
-def _may_hold(folder: Path) -> bool:
-    return folder.is_dir() and folder.name[0] not in "._"
-
-
-def _below(path: Path) -> list[tuple[str, Path]]:
+def _below(path: Path, readers: dict[str, Reader]) -> list[tuple[str, Path]]:
     """The recordings in the highest level of folders below a path that has any; no plain pictures."""
     level = [path]
     for _ in range(DEEPEST):
-        level = [
-            p for place in level for p in sorted(place.iterdir()) if p.is_dir() and p.name[0] not in "._"
-        ]
-        named = ((_recognised(place), place) for place in level[:MOST_FOLDERS])
+        level = [child for place in level for child in _folders_in(place)][:MOST_FOLDERS]
+        named = ((_recognised(place, readers), place) for place in level)
         found = [(name, place) for name, place in named if name and name != image_files.NAME]
         if found:
             return found
     return []
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    try:
+        return sorted(one for one in folder.iterdir() if one.is_dir() and one.name[0] not in "._")
+    except OSError:
+        return []

@@ -14,7 +14,15 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
 from horizon_dl.data.readers.beside import files_beside
-from horizon_dl.data.readers.parsing import MAX_GAP_S, by_time, check_overlap, read_lines, read_numbers
+from horizon_dl.data.readers.parsing import (
+    MAX_GAP_S,
+    by_time,
+    check_overlap,
+    inside_folder,
+    read_lines,
+    read_numbers,
+    usable_quaternions,
+)
 from horizon_dl.data.readers.tum_lists import find_depths, find_images, find_trajectory, has_lists
 from horizon_dl.data.readers.world_axes import Z_UP, World, find_world
 from horizon_dl.data.source import Recording
@@ -62,7 +70,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     if not images:
         raise InputError(folder / "rgb.txt", "is missing or empty", f"needed: {NEEDS}")
     times, poses = by_time(samples[:, 0], samples[:, 1:])
-    usable = np.linalg.norm(poses[:, 3:7], axis=-1) > 1e-6
+    usable = usable_quaternions(poses[:, 3:7])
     times, poses = times[usable], poses[usable]
     check_overlap(truth, np.array([time_s for time_s, _ in images]), times)
     counted = _counts_frames([time_s for time_s, _ in images]) and _counts_frames(times.tolist())
@@ -76,7 +84,8 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         seconds = time_s / FRAME_RATE_HZ if counted else time_s
         header = FrameHeader(name, seconds, *pose_at(times, poses, time_s, world))
         depth = nearest_depth(folder, depths, time_s)
-        frames.append((header, FrameFiles(folder / name, truths[index], depth)))
+        image = inside_folder(folder / "rgb.txt", folder, name)
+        frames.append((header, FrameFiles(image, truths[index], depth)))
     note = f"frames are numbered, not timed: {FRAME_RATE_HZ:g} a second are taken"
     return image_recording(
         folder.resolve().name,
@@ -116,7 +125,7 @@ def nearest_depth(folder: Path, depths: list[tuple[float, str]], time_s: float) 
     if not depths:
         return None
     depth_time, name = min(depths, key=lambda pair: abs(pair[0] - time_s))
-    path = folder / name
+    path = inside_folder(folder / "depth.txt", folder, name)
     return path if abs(depth_time - time_s) <= MAX_DEPTH_OFFSET_S and path.is_file() else None
 
 

@@ -1,5 +1,6 @@
 """The lists of a TUM RGB-D folder: images, depth images, the trajectory, under the names that they have."""
 
+import math
 import re
 from pathlib import Path
 
@@ -70,8 +71,8 @@ def read_list(path: Path) -> Listed:
         try:
             time_s = float(stamp)
         except ValueError:
-            name, time_s = "", 0.0
-        if not name:
+            time_s = math.nan
+        if not name or not math.isfinite(time_s):
             raise InputError(path, f"holds the line {line[:40]!r}", "lines are 'time filename'")
         pairs.append((time_s, name))
     return pairs
@@ -88,10 +89,13 @@ def read_associations(path: Path, *, depth: bool) -> Listed:
         cells = [cell for cell in re.split(r"[\s,;]+", line) if cell]
         chosen = [cell for cell in _images_of(line) if ("depth" in cell.lower()) == depth]
         try:
-            pairs.append((float(cells[cells.index(chosen[0]) - 1]), chosen[0]))
+            time_s = float(cells[cells.index(chosen[0]) - 1])
         except (ValueError, IndexError):
+            time_s = math.nan
+        if not math.isfinite(time_s):
             way_out = "lines are 'time rgb/A.png time depth/B.png'"
-            raise InputError(path, f"holds the line {line[:40]!r}", way_out) from None
+            raise InputError(path, f"holds the line {line[:40]!r}", way_out)
+        pairs.append((time_s, chosen[0]))
     return pairs
 
 

@@ -3,6 +3,7 @@
 import codecs
 from pathlib import Path
 
+from horizon_dl.data.regular_file import MOST_TEXT, check_regular
 from horizon_dl.errors import InputError
 
 MARKS = (
@@ -19,6 +20,7 @@ def read_lines(path: Path) -> list[str]:
         InputError: missing or not text.
     """
     try:
+        check_regular(path, MOST_TEXT)
         text = decoded(path.read_bytes())
     except FileNotFoundError:
         raise InputError(path, "is missing", "restore the file") from None
