@@ -141,7 +141,7 @@ def test_pgm_is_scaled_by_its_own_largest_value(tmp_path: Path, largest: int) ->
     values = np.linspace(0, largest, 12).astype(">u2").reshape(3, 4)
     path = tmp_path / "a.pgm"
     path.write_bytes(f"P5 4 3 {largest}\n".encode() + values.tobytes())
-    image = load_rgb(path, used_bits([path]))
+    image = load_rgb(path, bits=used_bits([path]))
     np.testing.assert_allclose(image[..., 0], values / largest * 255, atol=1.1)
 
 
@@ -151,9 +151,9 @@ def test_deep_pictures_are_turned_too(tmp_path: Path) -> None:
     exif = Image.Exif()
     exif[TAG] = 6
     Image.fromarray(stored(6, values)).save(path, exif=exif)
-    np.testing.assert_array_equal(load_rgb(path, used_bits([path])), UPRIGHT)
+    np.testing.assert_array_equal(load_rgb(path, bits=used_bits([path])), UPRIGHT)
 
 
 def test_brighter_pixels_than_seen_are_clipped(tmp_path: Path) -> None:
     path = save_png16(tmp_path / "a.png", np.array([[0, 4095, 4096, 60000]], np.uint16))
-    assert load_rgb(path, 12)[0, :, 0].tolist() == [0, 255, 255, 255]
+    assert load_rgb(path, bits=12)[0, :, 0].tolist() == [0, 255, 255, 255]

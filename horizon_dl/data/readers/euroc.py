@@ -38,7 +38,7 @@ NAME = "euroc"
 MOST_IMU = 1e4
 """rad/s and m/s^2: no IMU measures more."""
 
-NEEDS = "mav0/cam0 (data, data.csv, sensor.yaml) and mav0/state_groundtruth_estimate0, mocap0 or imu0"
+NEEDS = "mav0 with cam0, and imu0 or a ground truth"
 
 
 def recognises(folder: Path) -> bool:

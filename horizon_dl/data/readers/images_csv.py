@@ -27,7 +27,7 @@ from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import up_in_camera
 
 NAME = "images_csv"
-NEEDS = "frames.csv (image,time_s,roll_rad,pitch_rad,...) and camera.yaml"
+NEEDS = "frames.csv (image,time_s,roll_rad,pitch_rad) and camera.yaml"
 
 
 def recognises(folder: Path) -> bool:

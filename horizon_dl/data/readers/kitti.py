@@ -24,7 +24,7 @@ from horizon_dl.geometry.attitude import rotation_from_quaternion, unit, yaw_of
 Floats = NDArray[np.float64]
 
 NAME = "kitti"
-NEEDS = "KITTI raw, <date>/<drive>/image_02/data and oxts, with calib_*.txt in <date>"
+NEEDS = "image_02, oxts and calib_*.txt"
 CAMERAS = ("02", "03", "00", "01")
 """Left colour, right colour, left grey, right grey: the order in which they are taken."""
 

@@ -26,7 +26,7 @@ from horizon_dl.geometry.attitude import unit
 Floats = NDArray[np.float64]
 
 NAME = "kitti_odometry"
-NEEDS = "KITTI odometry, sequences/NN (image_2, calib.txt, times.txt) and poses/NN.txt"
+NEEDS = "image_2, calib.txt, times.txt and poses"
 CAMERAS = ("2", "3", "0", "1")
 NOTE = (
     "KITTI odometry does not say where gravity pulls: the mean of the car's up stands for it; "

@@ -35,9 +35,7 @@ from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy, up_in
 Floats = NDArray[np.float64]
 
 NAME = "paparazzi"
-NEEDS = (
-    "a folder of images named in microseconds, a CSV with time, att_phi, att_theta, att_psi, and camera.yaml"
-)
+NEEDS = "images named in microseconds, the logger's CSV, camera.yaml"
 ANGLES = ("att_phi", "att_theta", "att_psi")
 QUATERNION = ("att_qi", "att_qx", "att_qy", "att_qz")
 IN_FLIGHT_M = 0.3

@@ -24,7 +24,7 @@ from horizon_dl.geometry.camera import Camera
 Floats = NDArray[np.float64]
 
 NAME = "tartanair"
-NEEDS = "TartanAir's image_left and pose_left.txt (version 2: image_lcam_front and pose_lcam_front.txt)"
+NEEDS = "image_left and pose_left.txt"
 SIDES = ("left", "lcam_front", "right", "rcam_front")
 RATE_HZ = 10.0
 NOTE = f"TartanAir has no times: {RATE_HZ:g} frames a second are taken"

@@ -33,7 +33,7 @@ from horizon_dl.geometry.camera import Camera
 Floats = NDArray[np.float64]
 
 NAME = "tum"
-NEEDS = "rgb.txt and groundtruth.txt, as TUM RGB-D has them"
+NEEDS = "rgb.txt and groundtruth.txt"
 MAX_DEPTH_OFFSET_S = 0.05
 FRAME_RATE_HZ = 30.0
 """Of the data sets whose lists hold the number of a frame in place of its time."""
