@@ -22,8 +22,9 @@ MOST_PIXELS = 36_000_000
 
 LEAST_LIMIT = 4_000_000
 
-# Sizes are checked here, before anything is decoded.
+# Sizes are checked here before anything is decoded, and a damaged file is an error or a picture, no third.
 warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
+warnings.filterwarnings("ignore", module=r"PIL\.")
 
 DEEP = ";16"
 """In Pillow's names of raw modes: 16 bits a channel; of several channels it keeps the upper 8."""

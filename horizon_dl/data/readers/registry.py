@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Protocol
 
+from horizon_dl.data.from_images import FROM_IMAGES, camera_alone, with_attitude_from_images
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.readers import (
     euroc,
@@ -70,6 +71,8 @@ def open_recording(path: Path, format: str | None = None, given: Given = NOTHING
     if format not in readers:
         problem = found.broken.get(format, "is not known")
         raise InputError(f"--format {format}", problem, "choose one of " + ", ".join(readers))
+    if given.attitude == FROM_IMAGES:
+        return with_attitude_from_images(readers[format].read(path, camera_alone(given)))
     return readers[format].read(path, given)
 
 
