@@ -1,7 +1,7 @@
 """Names for the axes of a body: where x, y and z point, a letter each.
 
-f forward, b backward, r right, l left, d down, u up: `frd` is the package's own body, `flu` that of ROS, `rdf`
-a camera's optical axes. There are 24 of them that are right-handed.
+f forward, b backward, r right, l left, d down, u up: `frd` is the package's own body, `flu` that of ROS,
+`rdf` a camera's optical axes. There are 24 of them that are right-handed.
 """
 
 from itertools import product

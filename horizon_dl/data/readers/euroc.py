@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.calibration.calibration import Fields, load_yaml
-from horizon_dl.data.calibration.calibration_kinds import body_from_camera, euroc_sensor
+from horizon_dl.data.calibration.euroc import body_from_camera, sensor_camera
+from horizon_dl.data.calibration.fields import Fields
+from horizon_dl.data.calibration.tree import read_tree
 from horizon_dl.data.frame import FrameEntry, Recording
 from horizon_dl.data.imu import estimate_up
 from horizon_dl.data.readers.parsing import (
@@ -48,8 +49,8 @@ def read(folder: Path) -> Recording:
     if root is None:
         raise InputError(folder, "holds no EuRoC sequence", f"needed: {NEEDS}")
     sensor = root / "cam0" / "sensor.yaml"
-    fields = Fields(sensor, load_yaml(sensor))
-    camera = euroc_sensor(fields).camera
+    fields = Fields(sensor, read_tree(sensor))
+    camera = sensor_camera(fields)
     cam_from_body = body_from_camera(fields).T
     images = read_images(root / "cam0" / "data.csv")
     image_times = np.array([stamp * NANOSECOND for stamp, _ in images])

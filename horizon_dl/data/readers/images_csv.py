@@ -8,6 +8,7 @@ import math
 from pathlib import Path
 
 from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.calibration.picture_size import picture_size
 from horizon_dl.data.frame import FrameEntry, Recording
 from horizon_dl.data.readers.parsing import beside, column, finished, read_table
 from horizon_dl.errors import InputError
@@ -31,7 +32,8 @@ def read(folder: Path) -> Recording:
     """
     table = folder / "frames.csv"
     rows = read_table(table, REQUIRED)
-    calibration = read_calibration(folder / "camera.yaml")
+    pictures = (folder / row["image"] for row in rows if row.get("image"))
+    calibration = read_calibration(folder / "camera.yaml", size=picture_size(pictures))
     times = column(table, rows, "time_s")
     roll, pitch, yaw, height = (
         column(table, rows, name) for name in ("roll_rad", "pitch_rad", "yaw_rad", "height_m")
@@ -63,4 +65,5 @@ def read(folder: Path) -> Recording:
         camera=calibration.camera,
         entries=finished(table, entries, "the columns roll_rad and pitch_rad"),
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+        notes=calibration.notes,
     )

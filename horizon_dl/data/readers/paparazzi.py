@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.calibration.picture_size import picture_size
 from horizon_dl.data.frame import FrameEntry, Recording
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
@@ -64,8 +65,8 @@ def read(folder: Path) -> Recording:
         names = ", ".join(place.name for place, _ in flights)
         raise InputError(folder, f"holds {len(flights)} flights: {names}", "give the folder of one of them")
     place, log = flights[0]
-    calibration = read_calibration(_near(place, "camera.yaml"))
     images = _images(place)
+    calibration = read_calibration(_near(place, "camera.yaml"), size=picture_size(images))
     image_times = np.array([int(path.stem) * 1e-6 for path in images])
     times, quaternions, heights, flying = read_log(log)
     check_overlap(log, image_times, times)
@@ -87,6 +88,7 @@ def read(folder: Path) -> Recording:
             )
         )
     left_out = len(images) - len(entries)
+    notes = [f"{left_out} of {len(images)} images left out: on the ground"] if left_out else []
     if not entries:
         raise InputError(log, f"all {left_out} images were taken on the ground", "give a log of a flight")
     return Recording(
@@ -95,7 +97,7 @@ def read(folder: Path) -> Recording:
         camera=calibration.camera,
         entries=finished(log, entries, "the log"),
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
-        notes=(f"{left_out} of {len(images)} images left out: on the ground",) if left_out else (),
+        notes=(*notes, *calibration.notes),
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
+from horizon_dl.data.calibration.picture_size import picture_size
 from horizon_dl.data.frame import FrameEntry, RangeUnit, Recording
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
@@ -85,6 +86,7 @@ def read(folder: Path) -> Recording:
         camera=calibration.camera,
         entries=finished(truth, entries, "groundtruth.txt"),
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+        notes=calibration.notes,
     )
 
 
@@ -140,7 +142,8 @@ def find_camera(folder: Path) -> Calibration:
         InputError: neither is there.
     """
     if (folder / "camera.yaml").is_file():
-        return read_calibration(folder / "camera.yaml")
+        pictures = (folder / name for _, name in read_list(folder / "rgb.txt"))
+        return read_calibration(folder / "camera.yaml", size=picture_size(pictures))
     comments = [
         line
         for name in ("rgb.txt", "groundtruth.txt")

@@ -105,6 +105,6 @@ class _Radial:
         return np.where(lower > 1e-9, wanted, np.nan)
 
 
-_RADTAN = {name: FREE for name in ("k1", "k2", "p1", "p2", "k3")}
+_RADTAN = dict.fromkeys(("k1", "k2", "p1", "p2", "k3"), FREE)
 RADTAN = Lens(_RADTAN, 0, project, unproject)
-RATIONAL = Lens(_RADTAN | {name: FREE for name in ("k4", "k5", "k6")}, 0, project, unproject)
+RATIONAL = Lens(_RADTAN | dict.fromkeys(("k4", "k5", "k6"), FREE), 0, project, unproject)

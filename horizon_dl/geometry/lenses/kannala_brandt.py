@@ -29,4 +29,4 @@ def unproject(image: Floats, values: Values) -> tuple[Floats, Mask]:
     return with_depth(image * sine_over_radius[:, None], np.cos(angle)), found
 
 
-LENS = Lens({name: FREE for name in ("k1", "k2", "k3", "k4")}, 0, project, unproject)
+LENS = Lens(dict.fromkeys(("k1", "k2", "k3", "k4"), FREE), 0, project, unproject)

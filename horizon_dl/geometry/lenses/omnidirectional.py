@@ -1,4 +1,4 @@
-"""The unified model with distortion (Mei and Rives, ICRA 2007): Kalibr's `omni`, VINS's `MEI`, OpenCV's omnidir.
+"""The unified model with distortion (Mei and Rives, ICRA 2007): Kalibr's `omni`, VINS's `MEI`.
 
 A point goes to the unit sphere, from there to a plane seen from `xi` behind the centre, and is then bent as
 by Brown's k1, k2, p1, p2.
@@ -31,4 +31,4 @@ def unproject(image: Floats, values: Values) -> tuple[Floats, Mask]:
     return with_depth(plane * scale[:, None], scale - xi), found & (under_root >= 0)
 
 
-LENS = Lens({"xi": (0.0, 100.0)} | {name: FREE for name in ("k1", "k2", "p1", "p2")}, 1, project, unproject)
+LENS = Lens({"xi": (0.0, 100.0)} | dict.fromkeys(("k1", "k2", "p1", "p2"), FREE), 1, project, unproject)
