@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.view import make_view, working_size
+from horizon_dl.data.view import make_view
+from horizon_dl.geometry.camera import working_size
 from horizon_dl.errors import FrameError
 from horizon_dl.geometry.camera import Camera
 

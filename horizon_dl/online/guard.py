@@ -9,8 +9,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from horizon_dl.data.any_view import fits_camera, has_attitude
-from horizon_dl.data.frame import Frame
+from horizon_dl.data.frame import Frame, fits_camera, has_attitude
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.inspection.image_motion import Sketch, contradicts, same_picture, sketch_of, turn_rad
 from horizon_dl.training.checkpoint import Snapshot
@@ -124,11 +123,11 @@ class StreamGuard:
             return Distrust.SIZE
         if not math.isfinite(seen.time_s) or (self._before and seen.time_s <= self._before.time_s):
             return Distrust.CLOCK
-        if seen.up_cam is None:
+        if seen.up_cam is None or frame.camera is None:
             return Distrust.NO_ATTITUDE
         if not abs(attitude_age_s) <= LATE_S:
             return Distrust.LATE
-        return exposure_problem(seen.sketch) or self._motion_problem(frame.camera, seen)
+        return exposure_problem(seen.sketch) or self._motion_problem(frame.calibrated, seen)
 
     def _motion_problem(self, camera: Camera, seen: _Seen) -> Distrust | None:
         assert seen.up_cam is not None

@@ -32,7 +32,9 @@ class Calibration:
     @property
     def mount_rpy_rad(self) -> Mount:
         """The mount; AxesNotStatedError where it cannot be known. Who needs the camera alone is not asked."""
-        return self.mount.assumed() if isinstance(self.mount, ImuMount) else self.mount
+        if isinstance(self.mount, ImuMount):
+            raise self.mount.question()
+        return self.mount
 
 
 def read_calibration(

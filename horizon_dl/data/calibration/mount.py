@@ -5,7 +5,6 @@ another, above becomes below. So the axes are stated, or asked for, and never as
 """
 
 import math
-from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,8 +19,6 @@ from horizon_dl.geometry.axes import ALL_AXES, axes_in_words, frd_from_axes
 Mount = tuple[float, float, float]
 KEY = "imu_axes"
 USUAL = ("flu", "frd")
-assumed_axes: ContextVar[str | None] = ContextVar("assumed_axes", default=None)
-"""Axes to be tried for files that state none, while it is being found out which are right."""
 
 
 class AxesNotStatedError(InputError):
@@ -51,18 +48,8 @@ class ImuMount:
         imu_from_camera = np.array(self.imu_from_camera).reshape(3, 3)
         return rpy_from_rotation(frd_from_axes(axes) @ imu_from_camera @ OPTICAL_FROM_FRD)
 
-    def assumed(self) -> Mount:
-        """The mount for the axes that are being tried.
-
-        Raises:
-            AxesNotStatedError: none are.
-        """
-        axes = assumed_axes.get()
-        if axes is None:
-            raise self._question()
-        return self.rpy(axes)
-
-    def _question(self) -> AxesNotStatedError:
+    def question(self) -> AxesNotStatedError:
+        """What to ask where the axes are needed."""
         says = []
         for name in USUAL:
             roll, pitch, _ = (math.degrees(angle) for angle in self.rpy(name))
@@ -74,7 +61,7 @@ class ImuMount:
         return AxesNotStatedError(
             self.path,
             f"field '{self.field}' leads to an IMU whose axes it does not state",
-            f"add the line {says[0]} or {says[1]} or another; calibrate-mount finds it from the pictures",
+            f"add the line {says[0]} or {says[1]} or another, or --imu-axes; calibrate-mount finds it",
         )
 
 

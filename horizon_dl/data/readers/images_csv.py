@@ -9,8 +9,11 @@ from pathlib import Path
 
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.calibration.picture_size import picture_size
-from horizon_dl.data.frame import FrameEntry, Recording
-from horizon_dl.data.readers.parsing import beside, column, finished, read_table
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.image_folder import FrameFiles, image_recording
+from horizon_dl.data.readers.parsing import beside, column, read_table
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 
@@ -24,7 +27,7 @@ def recognises(folder: Path) -> bool:
     return (folder / "frames.csv").is_file()
 
 
-def read(folder: Path) -> Recording:
+def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     """Opens the set.
 
     Raises:
@@ -33,12 +36,14 @@ def read(folder: Path) -> Recording:
     table = folder / "frames.csv"
     rows = read_table(table, REQUIRED)
     pictures = (folder / row["image"] for row in rows if row.get("image"))
-    calibration = read_calibration(folder / "camera.yaml", size=picture_size(pictures))
+    calibration = read_calibration(
+        folder / "camera.yaml", size=picture_size(pictures), imu_axes=given.imu_axes
+    )
     times = column(table, rows, "time_s")
     roll, pitch, yaw, height = (
         column(table, rows, name) for name in ("roll_rad", "pitch_rad", "yaw_rad", "height_m")
     )
-    entries = []
+    frames = []
     for index, row in enumerate(rows):
         if not row.get("image") or not math.isfinite(times[index]):
             raise InputError(table, f"row {index + 1} has no image or no time", "complete or remove the row")
@@ -48,22 +53,23 @@ def read(folder: Path) -> Recording:
         up_cam = None
         if math.isfinite(sum(angles)):
             up_cam = up_in_camera(quaternion_from_rpy(*angles), calibration.mount_rpy_rad)
-        entries.append(
-            FrameEntry(
-                name=row["image"],
-                time_s=float(times[index]),
-                image_path=path,
-                up_cam=up_cam,
-                height_m=float(height[index]) if math.isfinite(height[index]) else None,
-                truth_path=beside(folder, "labels", path.stem),
-                range_path=beside(folder, "depth", path.stem),
-            )
+        header = FrameHeader(
+            name=row["image"],
+            time_s=float(times[index]),
+            up_cam=up_cam,
+            yaw_rad=float(yaw[index]) if math.isfinite(yaw[index]) else None,
+            height_m=float(height[index]) if math.isfinite(height[index]) else None,
         )
-    return Recording(
-        name=folder.resolve().name,
-        format=NAME,
-        camera=calibration.camera,
-        entries=finished(table, entries, "the columns roll_rad and pitch_rad"),
+        truth, depth = beside(folder, "labels", path.stem), beside(folder, "depth", path.stem)
+        frames.append((header, FrameFiles(path, truth, depth)))
+    return image_recording(
+        folder.resolve().name,
+        NAME,
+        calibration.camera,
+        frames,
+        where=table,
+        attitude_from="the columns roll_rad and pitch_rad",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         notes=calibration.notes,
+        mount_rpy_rad=calibration.mount_rpy_rad,
     )
