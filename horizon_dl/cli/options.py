@@ -18,13 +18,18 @@ def add_data(parser: argparse.ArgumentParser, name: str = "data") -> None:
 
 
 def add_given(parser: argparse.ArgumentParser) -> None:
-    """`--format`, `--camera`, `--imu-axes`, `--attitude`, `--time-offset`: what the data itself lacks."""
+    """`--format`, `--camera`, `--imu-axes`, `--convention`, `--attitude` and `--time-offset`."""
     parser.add_argument("--format", metavar="NAME", help="format of the data (recognised if left out)")
     parser.add_argument("--camera", type=Path, metavar="FILE", help="calibration and mount of the camera")
     parser.add_argument(
         "--imu-axes",
         metavar="AXES",
         help="flu, frd, ...: where x, y, z point of the IMU that the calibration leads to",
+    )
+    parser.add_argument(
+        "--convention",
+        metavar="WORDS",
+        help="how the attitude is to be read: xyzw, flu, z-up, deg, ...; calibrate-mount finds it",
     )
     parser.add_argument(
         "--attitude",
@@ -110,6 +115,7 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
         time_offset_s=arguments.time_offset,
         needs_attitude=needs_attitude,
         imu_axes=arguments.imu_axes,
+        convention=arguments.convention,
     )
 
 

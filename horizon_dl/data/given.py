@@ -13,6 +13,7 @@ class Given:
         attitude: `--attitude`: a log's file, `constant:ROLL,PITCH` in degrees, or `from-images`.
         time_offset_s: `--time-offset`: is added to the times of the log to give those of the images.
         imu_axes: `--imu-axes`: of the IMU that a calibration file leads to, as flu; see `geometry.axes`.
+        convention: `--convention`: how the attitude's numbers are to be read, see `data.convention`.
         needs_attitude: a recording without any attitude is refused.
     """
 
@@ -21,6 +22,7 @@ class Given:
     time_offset_s: float = 0.0
     needs_attitude: bool = True
     imu_axes: str | None = None
+    convention: str | None = None
 
 
 NOTHING_GIVEN = Given()

@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from horizon_dl.data.convention import Reading
 from horizon_dl.data.frame import FrameHeader, RangeImage
 from horizon_dl.data.images import load_rgb, load_truth, load_uint16
 from horizon_dl.data.source import MountRpy, Pixels, Recording
@@ -95,6 +96,7 @@ def image_recording(
     mount_rpy_rad: MountRpy | None = None,
     range_unit: RangeUnit = RangeUnit(),
     notes: tuple[str, ...] = (),
+    reading: Reading | None = None,
 ) -> Recording:
     """A recording of image files, sorted by time.
 
@@ -109,6 +111,7 @@ def image_recording(
         mount_rpy_rad: see `Recording`.
         range_unit: see `ImageLoader`.
         notes: see `Recording`.
+        reading: see `Recording`.
 
     Raises:
         InputError: no frames, no image on disk, or no attitude at any frame's time.
@@ -125,4 +128,4 @@ def image_recording(
         problem = f"no frame has an attitude from {attitude_from}"
         raise InputError(where, problem, "check that its values are numbers")
     load = ImageLoader(files, rotate_quarter_turns_ccw, range_unit)
-    return Recording(name, format, camera, headers, load, mount_rpy_rad, notes)
+    return Recording(name, format, camera, headers, load, mount_rpy_rad, notes, reading=reading)

@@ -21,11 +21,15 @@ _ALIASES = {"optical": "rdf", "camera": "rdf", "ros": "flu"}
 _WORDS = {"f": "forward", "b": "backward", "r": "right", "l": "left", "d": "down", "u": "up"}
 
 
-def frd_from_axes(name: str) -> NDArray[np.float64]:
+def frd_from_axes(name: str, *, left_handed: bool = False) -> NDArray[np.float64]:
     """Rotation (3, 3) from a body with the named axes to FRD.
 
+    Args:
+        name: of the axes.
+        left_handed: such axes are allowed, too; the matrix is then no rotation, but has a mirror in it.
+
     Raises:
-        ValueError: not three letters, or not right-handed.
+        ValueError: not three letters of different axes, or not right-handed.
 
     Example:
         >>> frd_from_axes("flu").diagonal().tolist()
@@ -35,7 +39,8 @@ def frd_from_axes(name: str) -> NDArray[np.float64]:
     if len(letters) != 3 or any(letter not in _DIRECTIONS for letter in letters):
         raise ValueError("not three letters of f, b, r, l, d, u")
     rotation = np.array([_DIRECTIONS[letter] for letter in letters]).T
-    if not np.isclose(np.linalg.det(rotation), 1.0):
+    handed = float(np.linalg.det(rotation))
+    if abs(handed) < 0.5 or (handed < 0 and not left_handed):
         raise ValueError("its axes are not right-handed")
     return rotation
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.calibration.picture_size import picture_size
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
@@ -59,6 +60,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
             up_cam=up_cam,
             yaw_rad=float(yaw[index]) if math.isfinite(yaw[index]) else None,
             height_m=float(height[index]) if math.isfinite(height[index]) else None,
+            as_read=None if up_cam is None else angles,
         )
         truth, depth = beside(folder, "labels", path.stem), beside(folder, "depth", path.stem)
         frames.append((header, FrameFiles(path, truth, depth)))
@@ -72,4 +74,5 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         notes=calibration.notes,
         mount_rpy_rad=calibration.mount_rpy_rad,
+        reading=reading_with(Convention(), calibration.mount_rpy_rad),
     )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.calibration.picture_size import picture_size
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
@@ -87,6 +88,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
             up_cam=None if attitude is None else up_in_camera(attitude, calibration.mount_rpy_rad),
             yaw_rad=None if attitude is None else yaw_of(attitude),
             height_m=height if math.isfinite(height) else None,
+            as_read=None if attitude is None else tuple(attitude.tolist()),
         )
         frames.append((header, FrameFiles(path, beside(labels, "labels", path.stem))))
     left_out = len(images) - len(frames)
@@ -102,6 +104,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         attitude_from="the log",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         mount_rpy_rad=calibration.mount_rpy_rad,
+        reading=reading_with(Convention(), calibration.mount_rpy_rad),
         notes=(*notes, *calibration.notes),
     )
 

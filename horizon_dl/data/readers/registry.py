@@ -40,7 +40,8 @@ def open_recording(path: Path, format: str | None = None, given: Given = NOTHING
         format = recognise(path)
     if format not in READERS:
         raise InputError(f"--format {format}", "is not known", "choose one of " + ", ".join(FORMATS))
-    return READERS[format].read(path, given)
+    recording = READERS[format].read(path, given)
+    return recording if given.convention is None else recording.read_as(given.convention)
 
 
 def recognise(path: Path) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.calibration.picture_size import picture_size
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
@@ -34,6 +35,7 @@ NEEDS = "rgb.txt and groundtruth.txt, as TUM RGB-D has them"
 MAX_DEPTH_OFFSET_S = 0.05
 RANGE_UNIT = RangeUnit(1 / 5000, "axis")
 UP_WORLD = np.array([0.0, 0.0, 1.0])
+CONVENTION = Convention("rdf", "z", "xyzw")
 
 # Published ROS calibrations of the colour cameras (the data set's page, "intrinsic camera calibration").
 CAMERAS = {
@@ -69,7 +71,9 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     check_overlap(truth, np.array([time_s for time_s, _ in images]), times)
     frames = []
     for time_s, name in images:
-        header = FrameHeader(name, time_s, *pose_at(times, poses, time_s))
+        header = FrameHeader(
+            name, time_s, *pose_at(times, poses, time_s), as_read=_numbers_at(times, poses, time_s)
+        )
         labels = beside(folder, "labels", Path(name).stem)
         frames.append((header, FrameFiles(folder / name, labels, nearest_depth(folder, depths, time_s))))
     return image_recording(
@@ -82,6 +86,7 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         notes=calibration.notes,
         range_unit=RANGE_UNIT,
+        reading=reading_with(CONVENTION, (0.0, 0.0, 0.0)),
     )
 
 
@@ -103,6 +108,12 @@ def pose_at(
     world_from_cam = rotation_from_quaternion(attitude)
     forward = world_from_cam[:, 2]
     return unit(world_from_cam.T @ UP_WORLD), -float(np.arctan2(forward[1], forward[0])), height
+
+
+def _numbers_at(times_s: Floats, poses: Floats, time_s: float) -> tuple[float, ...] | None:
+    """The quaternion in the file's order at a time; what order that is does not matter to the mean of two."""
+    numbers = interpolate(times_s, poses[:, 3:7], time_s, MAX_GAP_S)
+    return None if numbers is None else tuple(numbers.tolist())
 
 
 def read_list(path: Path) -> list[tuple[float, str]]:
