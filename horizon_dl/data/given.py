@@ -15,6 +15,7 @@ class Given:
         imu_axes: `--imu-axes`: of the IMU that a calibration file leads to, as flu; see `geometry.axes`.
         convention: `--convention`: how the attitude's numbers are to be read, see `data.convention`.
         needs_attitude: a recording without any attitude is refused.
+        topics: of a bag, `--topic`: which of several are meant.
     """
 
     camera: Path | None = None
@@ -23,6 +24,7 @@ class Given:
     needs_attitude: bool = True
     imu_axes: str | None = None
     convention: str | None = None
+    topics: tuple[str, ...] = ()
 
 
 NOTHING_GIVEN = Given()

@@ -18,7 +18,6 @@ from horizon_dl.data.calibration import (
 )
 from horizon_dl.data.calibration.candidate import Candidate, Wanted
 from horizon_dl.data.calibration.fields import Fields, Tree
-from horizon_dl.data.calibration.limits import shown
 from horizon_dl.errors import InputError
 
 
@@ -43,9 +42,9 @@ def family_of(path: Path, tree: Tree) -> Family:
     for family in FAMILIES:
         if family.recognises(tree):
             return family
-    names = ", ".join(str(name)[:30] for name in list(tree)[:6])
+    names = ", ".join(" ".join(name[:30].split()) for name in list(tree)[:6])
     more = ", ..." if len(tree) > 6 else ""
     kinds = ", ".join(family.NAME for family in FAMILIES)
     raise InputError(
-        path, f"is no known kind of camera file (fields found: {shown(names)[1:-1]}{more})", f"known: {kinds}"
+        path, f"is no known kind of camera file (fields found: {names}{more})", f"known: {kinds}"
     )

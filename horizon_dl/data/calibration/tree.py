@@ -7,6 +7,7 @@ from typing import Any
 
 from horizon_dl.data.calibration.limits import MAX_BYTES
 from horizon_dl.data.calibration.yaml_tree import yaml_tree
+from horizon_dl.data.regular_file import check_regular
 from horizon_dl.errors import InputError
 
 COLMAP_LINES = "colmap cameras"
@@ -39,14 +40,9 @@ def read_tree(path: Path) -> dict[str, Any]:
 
 def _text(path: Path) -> str:
     try:
+        check_regular(path, MAX_BYTES)
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
-        if len(content) > MAX_BYTES:
-            raise InputError(
-                path,
-                f"is larger than {MAX_BYTES >> 20} MB, no camera file is",
-                "give the file of the calibration's result",
-            )
         return content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
     except FileNotFoundError:
         raise InputError(
