@@ -145,6 +145,31 @@ def open_data(arguments: argparse.Namespace) -> "Recording":
     return finished_recording(open_source(arguments.data, arguments.format, given(arguments)))
 
 
+def open_finding_axes(arguments: argparse.Namespace) -> tuple["Recording", str]:
+    """As `open_data`; the axes of an IMU that the calibration does not state are found from the pictures.
+
+    Returns:
+        The recording, and what was found in words; '' where nothing had to be.
+
+    Raises:
+        InputError: see `open_data`; AxesNotStatedError where the pictures do not tell either.
+    """
+    from horizon_dl.data.calibration.mount import AxesNotStatedError
+
+    try:
+        return open_data(arguments), ""
+    except AxesNotStatedError:
+        from horizon_dl.inspection.orientation import axes_line, find_imu_axes
+
+        def open_with(axes: str) -> "Recording":
+            return open_data(argparse.Namespace(**{**vars(arguments), "imu_axes": axes}))
+
+        found = find_imu_axes(open_with, progress=True)
+        if found is None:
+            raise
+        return open_with(found), axes_line(found)
+
+
 def resolve_config(arguments: argparse.Namespace) -> "Config":
     """The config that `--config`, `--seed` and the dotted options name."""
     from horizon_dl.config import load_config

@@ -24,7 +24,7 @@ USUAL_BODIES = ("frd", "flu", "rdf", "rub", "ruf")
 CAP_RAD = np.radians(10.0)
 MOST_MOUNT_RAD = np.radians(40.0)
 MOST_TILT_RAD = np.radians(60.0)
-LEAST_PAIRS = 20
+LEAST_PAIRS, FEWEST_PAIRS = 20, 6
 FINALISTS = 16
 SURE = 3.0
 """Standard deviations by which a reading has to be better than the stated one."""
@@ -114,6 +114,20 @@ def fit_conventions(
     worse = best.miss_rad < BETTER * stated.miss_rad and _lead(kept, stated, best) > SURE
     sure = told and best.convention != reading.convention and (worse or lies)
     return ConventionFit(stated, best if sure else stated, motion, int(good.sum()), sure, told)
+
+
+def fit_ups(turns: Turns, ups: Floats) -> Fit | None:
+    """How well ups (N, 3) agree with the turns; None with too few pairs, or of no upright picture."""
+    good = np.isfinite(ups[turns.first]).all(-1) & np.isfinite(ups[turns.second]).all(-1)
+    if good.sum() < FEWEST_PAIRS or _tilt_rad(ups) > MOST_TILT_RAD:
+        return None
+    kept = Turns(*(each[good] for each in (turns.first, turns.second, turns.rotation, turns.window)), 0)
+    return _fitted(kept, Convention(), ups)
+
+
+def motion_of(turns: Turns, ups: Floats) -> float:
+    """Mean angle, rad, by which the turns move given ups (N, 3)."""
+    return float(np.nanmean(_motion(turns, ups)))
 
 
 class _Ups:
