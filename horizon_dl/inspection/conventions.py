@@ -7,20 +7,20 @@ stated one, so that an error of it is not taken for a convention's. That does no
 carried alike): pictures are taken to be stored upright.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.convention import Convention, Reading
 from horizon_dl.geometry.axes import frd_from_axes
+from horizon_dl.inspection.convention_candidates import changes as changes_of
+from horizon_dl.inspection.convention_candidates import conventions
 from horizon_dl.inspection.turns import Turns
 
 Floats = NDArray[np.float64]
 
-USUAL_BODIES = ("frd", "flu", "rdf", "rub", "ruf")
 CAP_RAD = np.radians(10.0)
 MOST_MOUNT_RAD = np.radians(40.0)
 MOST_TILT_RAD = np.radians(60.0)
@@ -31,6 +31,8 @@ SURE = 3.0
 BETTER = 0.7
 """And its misses smaller by this factor."""
 AS_GOOD = 1.15
+MANY_CHANGES, MANY_NO_MOTION = 3.0, 0.5
+"""An explanation with many parts needs more of a motion to be believed."""
 NO_MOTION = 0.75
 """Misses over this part of the ups' own motion: nothing fits, or there is too little motion to say so."""
 
@@ -65,6 +67,7 @@ class ConventionFit:
         pairs: of frames.
         sure: the stated reading is wrong.
         told: the pictures move enough to say anything.
+        turned: pictures that are stored on their side would explain it as well.
     """
 
     stated: Fit
@@ -73,6 +76,7 @@ class ConventionFit:
     pairs: int
     sure: bool
     told: bool
+    turned: bool = False
 
 
 def fit_conventions(
@@ -96,7 +100,7 @@ def fit_conventions(
     ups_of = _Ups(numbers, reading.mount)
     stated = _fitted(kept, reading.convention, ups_of(reading.convention))
     rough = []
-    for convention in _candidates(reading.convention, width == 4):
+    for convention in conventions(reading.convention, width == 4):
         ups = ups_of(convention)
         if _tilt_rad(ups) < MOST_TILT_RAD:  # pictures are stored upright
             rough.append((float(_misses(kept, ups).mean()), convention))
@@ -107,13 +111,15 @@ def fit_conventions(
     lies = _lies_wrong(ups_of(reading.convention))
     candidates = [fit for fit in alike if fit is not stated or not lies] or alike
     best = min(
-        candidates, key=lambda fit: (_changes(fit.convention, stated.convention, width == 4), fit.miss_rad)
+        candidates, key=lambda fit: (changes_of(fit.convention, stated.convention, width == 4), fit.miss_rad)
     )
     motion = float(_motion(kept, ups_of(best.convention)).mean())
-    told = best.miss_rad < NO_MOTION * motion
+    changes = changes_of(best.convention, stated.convention, width == 4)
+    told = best.miss_rad < (NO_MOTION if changes < MANY_CHANGES else MANY_NO_MOTION) * motion
     worse = best.miss_rad < BETTER * stated.miss_rad and _lead(kept, stated, best) > SURE
     sure = told and best.convention != reading.convention and (worse or lies)
-    return ConventionFit(stated, best if sure else stated, motion, int(good.sum()), sure, told)
+    turned = sure and not worse and _on_its_side(ups_of(stated.convention))
+    return ConventionFit(stated, best if sure else stated, motion, int(good.sum()), sure, told, turned)
 
 
 def fit_ups(turns: Turns, ups: Floats) -> Fit | None:
@@ -152,39 +158,14 @@ def _tilt_rad(ups: Floats) -> float:
 
 
 def _lies_wrong(ups: Floats) -> bool:
-    """Whether up is read to lie where it lies in no upright picture; one on its side is another fault."""
-    mean = np.nanmean(ups, axis=0)
-    if np.linalg.norm(mean) < 0.5:
-        return True
-    on_its_side = (
-        abs(mean[2]) < 0.4 * np.linalg.norm(mean) and np.abs(mean[:2]).min() < 0.3 * np.abs(mean).max()
-    )
-    return _tilt_rad(ups) > MOST_TILT_RAD and not on_its_side
+    """Whether up is read to lie where it lies in no upright picture."""
+    return float(np.linalg.norm(np.nanmean(ups, axis=0))) < 0.5 or _tilt_rad(ups) > MOST_TILT_RAD
 
 
-def _candidates(stated: Convention, quaternions: bool) -> Iterator[Convention]:
-    """Every convention, left-handed axes among them: they are what a mirrored pose looks like."""
-    units = ("rad",) if quaternions else ("rad", "deg")
-    orders = ("wxyz", "xyzw") if quaternions else (stated.order,)
-    ways = (stated.inverse, not stated.inverse)
-    bodies = ["".join(axes) for pairs in product("fb", "rl", "du") for axes in permutations(pairs)]
-    for unit, order, inverse, body, up in product(
-        units, orders, ways, bodies, ("z", "-z", "y", "-y", "x", "-x")
-    ):
-        yield Convention(body, up, order, unit, inverse)  # type: ignore[arg-type]
-
-
-def _changes(one: Convention, stated: Convention, quaternions: bool) -> float:
-    """How much a convention differs from the stated one; simple explanations are preferred."""
-    right_handed = np.linalg.det(frd_from_axes(one.body, left_handed=True)) > 0
-    body = 1.0 if one.body in USUAL_BODIES else 2.5 if right_handed else 3.5
-    return (
-        (body if one.body != stated.body else 0.0)
-        + (one.up != stated.up) * (0.9 if one.up in ("z", "-z", "y") else 1.5)
-        + (quaternions and one.order != stated.order)
-        + (not quaternions and one.unit != stated.unit)
-        + 1.5 * (one.inverse != stated.inverse)
-    )
+def _on_its_side(ups: Floats) -> bool:
+    """Whether up is read to lie along the picture's rows, or down: as where it is stored turned."""
+    x, y, z = np.abs(np.nanmean(ups, axis=0)).tolist()
+    return _lies_wrong(ups) and z < 0.5 and min(x, y) < 0.4 * max(x, y)
 
 
 def _misses(turns: Turns, ups: Floats) -> Floats:

@@ -10,7 +10,7 @@ from horizon_dl.data.convention import convention_in_words
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.axes import ALL_AXES, axes_in_words
-from horizon_dl.inspection.conventions import BETTER, Fit, fit_conventions, fit_ups, motion_of
+from horizon_dl.inspection.conventions import BETTER, ConventionFit, Fit, fit_conventions, fit_ups, motion_of
 from horizon_dl.inspection.mount_check import MountCheck, check_mount
 from horizon_dl.inspection.turns import measure_turns
 
@@ -65,16 +65,23 @@ def check_convention(recording: Recording, *, progress: bool = False) -> Orienta
     if fit is None:
         return None
     quaternions = any(one is not None and len(one) == 4 for one in as_read)
-    stated, best = recording.reading.convention, fit.best.convention
+    stated, best = fit.stated.convention, fit.best.convention
     return Orientation(
         " ".join(best.differences(stated, quaternions)) if fit.sure else "",
-        convention_in_words(best, stated, quaternions) if fit.sure else "",
+        _in_words(fit, quaternions),
         fit.told,
         math.degrees(fit.best.miss_rad),
         math.degrees(fit.stated.miss_rad),
         math.degrees(fit.motion_rad),
         fit.pairs,
     )
+
+
+def _in_words(fit: ConventionFit, quaternions: bool) -> str:
+    if not fit.sure:
+        return ""
+    says = convention_in_words(fit.best.convention, fit.stated.convention, quaternions)
+    return f"{says}, or the images are stored on their side (rotate_image)" if fit.turned else says
 
 
 def check_orientation(recording: Recording, *, progress: bool = False) -> Orientation | None:
