@@ -63,7 +63,7 @@ class Convention:
 
     def differences(self, other: "Convention", quaternions: bool) -> list[str]:
         """This convention in words of the option `--convention`, as far as it differs from another."""
-        words = [self.order] if quaternions and self.order != other.order else []
+        words: list[str] = [self.order] if quaternions and self.order != other.order else []
         words += [self.unit] if not quaternions and self.unit != other.unit else []
         words += [self.body] if self.body != other.body else []
         words += [UP_WORDS[self.up]] if self.up != other.up else []

@@ -96,7 +96,7 @@ def fit_conventions(
     good = np.isfinite(numbers[turns.first]).all(-1) & np.isfinite(numbers[turns.second]).all(-1)
     if good.sum() < LEAST_PAIRS:
         return None
-    kept = Turns(*(each[good] for each in (turns.first, turns.second, turns.rotation, turns.window)), 0)
+    kept = turns.select(good)
     ups_of = _Ups(numbers, reading.mount)
     stated = _fitted(kept, reading.convention, ups_of(reading.convention))
     rough = []
@@ -127,7 +127,7 @@ def fit_ups(turns: Turns, ups: Floats) -> Fit | None:
     good = np.isfinite(ups[turns.first]).all(-1) & np.isfinite(ups[turns.second]).all(-1)
     if good.sum() < FEWEST_PAIRS or _tilt_rad(ups) > MOST_TILT_RAD:
         return None
-    kept = Turns(*(each[good] for each in (turns.first, turns.second, turns.rotation, turns.window)), 0)
+    kept = turns.select(good)
     return _fitted(kept, Convention(), ups)
 
 
@@ -171,14 +171,14 @@ def _on_its_side(ups: Floats) -> bool:
 def _misses(turns: Turns, ups: Floats) -> Floats:
     carried = np.einsum("pij,pj->pi", turns.rotation, ups[turns.first])
     chord = np.linalg.norm(carried - ups[turns.second], axis=-1)
-    return np.minimum(2 * np.arcsin(np.clip(chord / 2, 0.0, 1.0)), CAP_RAD)
+    return np.asarray(np.minimum(2 * np.arcsin(np.clip(chord / 2, 0.0, 1.0)), CAP_RAD))
 
 
 def _motion(turns: Turns, ups: Floats) -> Floats:
     """How far the seen turns move up in the camera."""
     carried = np.einsum("pij,pj->pi", turns.rotation, ups[turns.first])
     chord = np.linalg.norm(carried - ups[turns.first], axis=-1)
-    return np.minimum(2 * np.arcsin(np.clip(chord / 2, 0.0, 1.0)), CAP_RAD)
+    return np.asarray(np.minimum(2 * np.arcsin(np.clip(chord / 2, 0.0, 1.0)), CAP_RAD))
 
 
 def _fitted(turns: Turns, convention: Convention, ups: Floats) -> Fit:

@@ -12,6 +12,7 @@ Floats = NDArray[np.float64]
 Gray = NDArray[np.uint8]
 
 CORNERS = 400
+SEARCHED = (21, 21)
 LEAST_TRACKS = 25
 ROUND_TRIP_PX = 1.0
 INLIER_PX = 1.5
@@ -27,9 +28,8 @@ def tracked(first: Gray, second: Gray) -> tuple[Floats, Floats]:
 
     corners = cv2.goodFeaturesToTrack(first, CORNERS, 0.01, max(4.0, first.shape[1] / 60))
     if corners is not None and len(corners) >= LEAST_TRACKS:
-        options = {"winSize": (21, 21), "maxLevel": 4}
-        there, found, _ = cv2.calcOpticalFlowPyrLK(first, second, corners, None, **options)
-        back, again, _ = cv2.calcOpticalFlowPyrLK(second, first, there, None, **options)
+        there, found, _ = cv2.calcOpticalFlowPyrLK(first, second, corners, None, winSize=SEARCHED, maxLevel=4)
+        back, again, _ = cv2.calcOpticalFlowPyrLK(second, first, there, None, winSize=SEARCHED, maxLevel=4)
         good = (found & again).ravel().astype(bool)
         good &= np.linalg.norm((back - corners).reshape(-1, 2), axis=-1) < ROUND_TRIP_PX
         if good.sum() >= max(LEAST_TRACKS, 0.3 * len(corners)):
@@ -41,7 +41,7 @@ def tracked(first: Gray, second: Gray) -> tuple[Floats, Floats]:
 def _matched(first: Gray, second: Gray) -> tuple[Floats, Floats]:
     import cv2
 
-    detector = cv2.ORB_create(2 * CORNERS, fastThreshold=7)
+    detector = cv2.ORB.create(2 * CORNERS, fastThreshold=7)
     (one, described), (other, redescribed) = (
         detector.detectAndCompute(image, None) for image in (first, second)
     )

@@ -37,6 +37,12 @@ class Turns:
     window: NDArray[np.int64]
     looked_at: int
 
+    def select(self, pairs: NDArray[np.bool_]) -> "Turns":
+        """Some of the pairs."""
+        return Turns(
+            self.first[pairs], self.second[pairs], self.rotation[pairs], self.window[pairs], self.looked_at
+        )
+
 
 def window_indices(length: int) -> list[list[int]]:
     """Stretches of successive frames, evenly spread; they do not overlap.

@@ -15,7 +15,7 @@ class _Loader(BoundedLoader):
 
     def get_single_node(self) -> yaml.Node | None:
         """The first document that holds anything: topic tools close each message by `---`."""
-        self.get_event()
+        self.get_event()  # type: ignore[no-untyped-call]
         while not self.check_event(yaml.StreamEndEvent):
             node: yaml.Node | None = self.compose_document()
             if node is not None and not (isinstance(node, yaml.ScalarNode) and not node.value):
