@@ -15,6 +15,8 @@ class Given:
         imu_axes: `--imu-axes`: of the IMU that a calibration file leads to, as flu; see `geometry.axes`.
         convention: `--convention`: how the attitude's numbers are to be read, see `data.convention`.
         needs_attitude: a recording without any attitude is refused.
+        time_unit: `--time-unit`: s, ms, us or ns, of the clock in a table.
+        angle_unit: `--angle-unit`: rad or deg, of the angles in a table.
         topics: of a bag, `--topic`: which of several are meant.
     """
 
@@ -24,6 +26,8 @@ class Given:
     needs_attitude: bool = True
     imu_axes: str | None = None
     convention: str | None = None
+    time_unit: str | None = None
+    angle_unit: str | None = None
     topics: tuple[str, ...] = ()
 
 
