@@ -96,7 +96,7 @@ def fit_conventions(
     good = np.isfinite(numbers[turns.first]).all(-1) & np.isfinite(numbers[turns.second]).all(-1)
     if good.sum() < LEAST_PAIRS:
         return None
-    kept = turns.select(good)
+    kept = turns.select(np.asarray(good))
     ups_of = _Ups(numbers, reading.mount)
     stated = _fitted(kept, reading.convention, ups_of(reading.convention))
     rough = []
@@ -127,7 +127,7 @@ def fit_ups(turns: Turns, ups: Floats) -> Fit | None:
     good = np.isfinite(ups[turns.first]).all(-1) & np.isfinite(ups[turns.second]).all(-1)
     if good.sum() < FEWEST_PAIRS or _tilt_rad(ups) > MOST_TILT_RAD:
         return None
-    kept = turns.select(good)
+    kept = turns.select(np.asarray(good))
     return _fitted(kept, Convention(), ups)
 
 
@@ -189,7 +189,7 @@ def _fitted(turns: Turns, convention: Convention, ups: Floats) -> Fit:
     def cost(vector: Floats) -> float:
         beyond = max(0.0, float(np.linalg.norm(vector)) - MOST_MOUNT_RAD)
         turned = ups @ Rotation.from_rotvec(vector).as_matrix().T
-        return float(_misses(turns, turned).mean()) + beyond
+        return float(_misses(turns, turned).mean() + beyond)
 
     starts = np.radians(np.array([[0, 0, 0], [20, 0, 0], [-20, 0, 0], [0, 0, 20], [0, 0, -20]], np.float64))
     start = min(starts, key=cost)

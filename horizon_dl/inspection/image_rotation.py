@@ -16,7 +16,7 @@ SEARCHED = (21, 21)
 LEAST_TRACKS = 25
 ROUND_TRIP_PX = 1.0
 INLIER_PX = 1.5
-DRAWS = 200
+DRAWS = 60
 
 
 def tracked(first: Gray, second: Gray) -> tuple[Floats, Floats]:
