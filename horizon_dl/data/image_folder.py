@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.bit_depth import FULL, used_bits
+from horizon_dl.data.convention import Reading
 from horizon_dl.data.frame import FrameHeader, RangeImage
 from horizon_dl.data.images import MOST_PIXELS, load_rgb, load_truth, load_uint16, most_pixels
 from horizon_dl.data.orientation import orientation_of_file, upright
@@ -126,6 +127,7 @@ def image_recording(
     mount_rpy_rad: MountRpy | None = None,
     range_unit: RangeUnit = RangeUnit(),
     notes: tuple[str, ...] = (),
+    reading: Reading | None = None,
 ) -> Recording:
     """A recording of image files, sorted by time.
 
@@ -140,6 +142,7 @@ def image_recording(
         mount_rpy_rad: see `Recording`.
         range_unit: see `ImageLoader`.
         notes: see `Recording`.
+        reading: see `Recording`.
 
     Raises:
         InputError: no frames, no image on disk, or no attitude at any frame's time.
@@ -160,7 +163,7 @@ def image_recording(
         problem = f"no frame has an attitude from {attitude_from}"
         raise InputError(where, problem, "check that its values are numbers")
     load, note = image_loader(files, rotate_quarter_turns_ccw, range_unit, most_pixels(camera))
-    return Recording(name, format, camera, headers, load, mount_rpy_rad, (*notes, *note))
+    return Recording(name, format, camera, headers, load, mount_rpy_rad, (*notes, *note), reading=reading)
 
 
 def image_loader(

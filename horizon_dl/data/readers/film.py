@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.attitude_log import read_attitude
 from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.source import Pixels, Recording
@@ -31,7 +32,7 @@ def read(path: Path, given: Given) -> Recording:
     Raises:
         InputError: it is no film, or --camera or --attitude is missing or wrong.
     """
-    calibration = None if given.camera is None else read_calibration(given.camera)
+    calibration = None if given.camera is None else read_calibration(given.camera, imu_axes=given.imu_axes)
     log = None if given.attitude is None else read_attitude(given.attitude)
     if given.needs_attitude and (log is None or calibration is None):
         missing = "--attitude" if log is None else "--camera"
@@ -53,6 +54,8 @@ def read(path: Path, given: Given) -> Recording:
         headers,
         FilmLoader(path, tuple(stamps), turns),
         None if calibration is None else calibration.mount_rpy_rad,
+        () if calibration is None else calibration.notes,
+        reading=None if calibration is None else reading_with(Convention(), calibration.mount_rpy_rad),
     )
 
 

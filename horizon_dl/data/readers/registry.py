@@ -73,7 +73,8 @@ def open_recording(path: Path, format: str | None = None, given: Given = NOTHING
         raise InputError(f"--format {format}", problem, "choose one of " + ", ".join(readers))
     if given.attitude == FROM_IMAGES:
         return with_attitude_from_images(readers[format].read(path, camera_alone(given)))
-    return readers[format].read(path, given)
+    recording = readers[format].read(path, given)
+    return recording if given.convention is None else recording.read_as(given.convention)
 
 
 def recognise(path: Path) -> str:

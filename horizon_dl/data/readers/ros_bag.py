@@ -98,7 +98,7 @@ def _calibration(
     bag: Bag, images: Topic, frame: str, shape: tuple[int, ...], given: Given
 ) -> tuple[Calibration | None, tuple[str, ...]]:
     if given.camera is not None:
-        return read_calibration(given.camera), ()
+        return read_calibration(given.camera, imu_axes=given.imu_axes), ()
     info = info_topic(bag, images.name, frame, given.topics)
     calibration = None if info is None else camera_of(bag, info, images.name, (shape[1], shape[0]))
     if calibration is not None and info is not None:
