@@ -81,7 +81,12 @@ def claim_folder(out: Path, kind: str, *, overwrite: bool = False, anew: bool = 
     """
     make_folder(out)
     clean_left_overs(out)
-    own = is_own(out, kind)
+    try:
+        own = is_own(out, kind)
+    except InputError:  # a damaged manifest: whose the folder is cannot be told
+        if not overwrite:
+            raise
+        own = False
     if not (own or overwrite):
         check_free(out)
     if own:
