@@ -113,7 +113,7 @@ def test_what_a_killed_run_wrote_half_goes_from_its_own_folder_alone(tmp_path):
 def test_a_damaged_manifest_says_so_and_can_be_overwritten(tmp_path):
     claim_folder(tmp_path, "online")
     (tmp_path / MANIFEST).write_text((tmp_path / MANIFEST).read_text().replace("online", "onlime"))
-    with pytest.raises(InputError, match="is damaged; .*--overwrite"):
+    with pytest.raises(InputError, match=r"is damaged; .*--overwrite"):
         claim_folder(tmp_path, "online")
     claim_folder(tmp_path, "online", overwrite=True)
     assert read_manifest(tmp_path).kind == "online"
