@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from horizon_dl.data.frame import Truth
-from horizon_dl.reporting.cells import resize_map
-from horizon_dl.reporting.text import shorten, text_size
+from horizon_dl.visualization.cells import resize_map
+from horizon_dl.visualization.text import shorten, text_size
 from horizon_dl.visualization.colours import (
     HORIZON_COLOUR,
     NO_VALUE_COLOUR,

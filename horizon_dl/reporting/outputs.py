@@ -1,0 +1,35 @@
+"""The sinks that every run ends with: a film and a page."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from horizon_dl.data.source import FrameSource, Recording
+from horizon_dl.reporting.run_page import FILM, Page
+from horizon_dl.visualization.film import Film
+from horizon_dl.visualization.sink import Sink
+
+NO_FILM = "no film: it needs av; pip install 'horizon-dl[logs]'"
+
+
+def film_and_page(
+    folder: Path,
+    source: FrameSource,
+    title: str,
+    lead: Callable[[Page], str],
+    facts: Callable[[], Sequence[tuple[str, str]]] = tuple,
+    film: str = FILM,
+) -> list[Sink]:
+    """A film, where it can be encoded and there is more than a picture, and a page, in this order."""
+    sinks: list[Sink] = []
+    pictures = source.length if isinstance(source, Recording) else None
+    if pictures != 1 and can_film():
+        # The times of plain pictures are those of their files: no pace to show them at.
+        sinks.append(Film(folder / film, source.camera is not None, timed=source.camera is not None))
+    return [*sinks, Page(folder, title, lead, facts)]
+
+
+def can_film() -> bool:
+    """Whether PyAV is there."""
+    from importlib.util import find_spec
+
+    return find_spec("av") is not None
