@@ -73,11 +73,11 @@ def _predict(
     from horizon_dl.reporting.outputs import film_and_page
     from horizon_dl.visualization.file_sinks import Arrays, Panels, ResultNames
     from horizon_dl.visualization.log_predictions import log_predictions
-    from horizon_dl.visualization.sink import closing
+    from horizon_dl.visualization.sink import Sink, closing
 
     names = ResultNames([one.name for one in source.headers] if isinstance(source, Recording) else ())
     title = f"{predictor.name} on {source.name}"
-    sinks = [
+    sinks: list[Sink] = [
         Panels(folder / "panels", names),
         Arrays(folder / "arrays", names),
         *film_and_page(folder, source, title, lambda page: _lead(page, predictor, source)),
@@ -96,7 +96,7 @@ def _lead(page: "Page", predictor: "Predictor", source: "FrameSource") -> str:
     words = f"{predictor.name} looked at {page.frames} frame{'s' * (page.frames != 1)} of {source.name}."
     if page.aucs:
         auc = fmean(value for _, value in page.aucs)
-        words += f" On the {len(page.aucs)} with truth its uncertainty finds obstacles with an AUC of {auc:.3f} in the mean."
+        words += f" On the {len(page.aucs)} with truth the AUC of its obstacles is {auc:.3f} in the mean."
     if predictor.trained_on == source.name:
         words += " It was trained on these frames, or on frames of the same place: expect less elsewhere."
     if source.camera is None:

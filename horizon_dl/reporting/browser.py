@@ -31,9 +31,9 @@ def browser_html(section: "Browser") -> Html:
     )
     steps = el(
         "div",
-        el("button", "‹", type="button", id="previous", aria_label="previous frame"),
+        el("button", "◀", type="button", id="previous", aria_label="previous frame"),
         el("input", type="range", id="frame", min=0, max=0, value=0, aria_label="frame"),
-        el("button", "›", type="button", id="next", aria_label="next frame"),
+        el("button", "▶", type="button", id="next", aria_label="next frame"),
         class_="steps",
     )
     slider = el(
@@ -50,7 +50,9 @@ def browser_html(section: "Browser") -> Html:
         el("div", "", id="cells"),
         slider,
         el("p", "", id="rates", aria_live="polite"),
-        el("p", "Arrow keys left and right: frames; up and down: threshold; a click enlarges.", class_="hint"),
+        el(
+            "p", "Arrow keys left and right: frames; up and down: threshold; a click enlarges.", class_="hint"
+        ),
         el("noscript", el("p", "The frames need JavaScript; the panels folder holds them as pictures.")),
         el("dialog", el("button", "close", type="button", id="close"), el("div", "", id="large"), id="zoom"),
         class_="browser",

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import isfinite
+from math import ceil, floor, isfinite, log10
 from typing import Any
 
 from horizon_dl.reporting.markup import Html, el, join
 
 WIDTH, HEIGHT = 560, 400
-LEFT, RIGHT, TOP, BOTTOM = 56, 14, 14, 50
+LEFT, RIGHT, TOP, BOTTOM = 72, 14, 14, 50
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,9 @@ class Chart:
                 if y is not None and isfinite(y)
             ]
             series.append({"name": line.name, "colour": _colour(line, number), "points": known})
-        return {"x": self.x_label, "y": self.y_label, "series": series}
+        ends = [self.place(x, y) for x, y in zip(self.x_range, self.y_range, strict=True)]
+        frame = [*ends[0], *ends[1]]
+        return {"x": self.x_label, "y": self.y_label, "frame": frame, "series": series}
 
     def html(self) -> Html:
         """The drawing with legend and caption."""
@@ -97,7 +99,11 @@ class Chart:
             aria_label=f"{self.alt or self.caption} Arrow keys read the values.",
         )
         keys = [
-            el("li", el("i", style=f"--c:var(--{_colour(one, n)})", class_="dash" if one.baseline else ""), one.name)
+            el(
+                "li",
+                el("i", style=f"--c:var(--{_colour(one, n)})", class_="dash" if one.baseline else ""),
+                one.name,
+            )
             for n, one in enumerate(self.lines)
         ]
         return el(
@@ -111,15 +117,17 @@ class Chart:
 
     def _axes(self) -> list[Html]:
         parts = []
-        for n in range(6):
-            x = self.x_range[0] + (self.x_range[1] - self.x_range[0]) * n / 5
-            y = self.y_range[0] + (self.y_range[1] - self.y_range[0]) * n / 5
-            right, down = self.place(x, self.y_range[0])[0], self.place(self.x_range[0], y)[1]
+        for x in ticks(*self.x_range):
+            right = self.place(x, self.y_range[0])[0]
             parts += [
                 _line(right, TOP, right, HEIGHT - BOTTOM, "grid"),
+                _text(right, HEIGHT - BOTTOM + 18, f"{x:.6g}", "end" if right > WIDTH - 30 else "middle"),
+            ]
+        for y in ticks(*self.y_range):
+            down = self.place(self.x_range[0], y)[1]
+            parts += [
                 _line(LEFT, down, WIDTH - RIGHT, down, "grid"),
-                _text(right, HEIGHT - BOTTOM + 18, f"{x:.4g}", "middle"),
-                _text(LEFT - 8, down + 4, f"{y:.4g}", "end"),
+                _text(LEFT - 8, down + 4, f"{y:.6g}", "end"),
             ]
         middle = (HEIGHT - BOTTOM + TOP) / 2
         turned = f"rotate(-90 14 {middle})"
@@ -149,6 +157,23 @@ class Chart:
             el("path", d=" ".join(pieces), class_=kind, style=style),
             el("g", *few, class_="dots", style=style) if few else None,
         )
+
+
+def ticks(low: float, high: float) -> list[float]:
+    """Round numbers within an interval, about five.
+
+    Example:
+        >>> ticks(1.0, 30.8)
+        [5.0, 10.0, 15.0, 20.0, 25.0, 30.0]
+    """
+    span = high - low
+    if not span > 0:
+        return [low]
+    rough = span / 5
+    power = 10.0 ** floor(log10(rough))
+    step = power * next(factor for factor in (1, 2, 5, 10) if factor * power >= rough * 0.999)
+    first = ceil(low / step - 1e-9)
+    return [round(n * step, 10) for n in range(first, floor(high / step + 1e-9) + 1)]
 
 
 def _colour(line: Line, number: int) -> str:

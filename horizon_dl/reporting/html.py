@@ -116,7 +116,11 @@ def _section(name: str, section: Section) -> Html:
         return _video(section)
     if isinstance(section, Browser):
         return browser_html(section)
-    return section.html() if section.name else Html(section.html().replace('data-chart=""', f'data-chart="{name}"'))
+    return (
+        section.html()
+        if section.name
+        else Html(section.html().replace('data-chart=""', f'data-chart="{name}"'))
+    )
 
 
 def _table(section: Table) -> Html:

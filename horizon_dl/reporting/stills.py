@@ -181,7 +181,7 @@ def _encoded(one: Still, coders: Mapping[str, _Coder]) -> dict[str, Any]:
     height = max(1, round(one.image.shape[0] * width / one.image.shape[1]))
     size = (width, height)
     elevation = resize_map(one.elevation, width, height)
-    line = (contour_coverage(elevation, 0.0, 1.5) > 0.4).astype(np.uint8) * 255
+    line = (contour_coverage(elevation, 0.0, 2.0) >= 0.5).astype(np.uint8) * 255
     maps = {}
     for key, said in one.said.items():
         code = PilImage.fromarray(coders[key].code(said.score)).resize(size, PilImage.Resampling.NEAREST)

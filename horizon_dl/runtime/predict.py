@@ -49,9 +49,7 @@ class FilePredictor:
         return of_outputs(frame, found, model.threshold, self._rays)
 
 
-def of_outputs(
-    frame: Frame, found: Outputs, threshold: float, directions: NDArray[np.float32]
-) -> Prediction:
+def of_outputs(frame: Frame, found: Outputs, threshold: float, directions: NDArray[np.float32]) -> Prediction:
     """A model file's outputs as a prediction; the obstacle map is the file's own."""
     height, width = found.entropy.shape
     same = frame.image.shape[:2] == (height, width)

@@ -99,6 +99,4 @@ def ranges_of(frame: Frame, prediction: Prediction) -> Ranged | None:
     """`range_frame` of a prediction; None without camera or attitude."""
     if prediction.directions is None or np.isnan(prediction.view.elevation).all():
         return None
-    return range_frame(
-        frame, prediction.directions, prediction.measures.p_above, prediction.threshold
-    )
+    return range_frame(frame, prediction.directions, prediction.measures.p_above, prediction.threshold)

@@ -27,7 +27,7 @@ def text_size(text: str, size_px: int) -> tuple[int, int]:
 
 @lru_cache(maxsize=512)
 def text_image(text: str, size_px: int, colour: Colour = DARK, ground: Colour = (255, 255, 255)) -> Image:
-    """(h, w, 3) uint8: a line of text, on white if not said, as large as it needs to be; not to be written into."""
+    """(h, w, 3) uint8: a line of text, as large as it needs to be; not to be written into."""
     canvas = PilImage.new("RGB", text_size(text, size_px), ground)
     ImageDraw.Draw(canvas).text((0, 0), text, font=font(size_px), fill=colour)
     return np.asarray(canvas, np.uint8)

@@ -149,8 +149,8 @@ const drawMap = () => {
     words += `; over all scored frames ${percent(method.tpr[level])} of the obstacle pixels are found and ${percent(method.fpr[level])} of the floor is called obstacle.`;
     const roc = charts.roc;
     if (roc) {
-      const [left, right, top, bottom, w, h] = [56, 14, 14, 50, 560, 400];
-      roc.rest(left + method.fpr[level] * (w - left - right), h - bottom - method.tpr[level] * (h - top - bottom));
+      const [x0, y0, x1, y1] = roc.chart.frame;
+      roc.rest(x0 + method.fpr[level] * (x1 - x0), y0 + method.tpr[level] * (y1 - y0));
     }
   } else words += ".";
   byId("rates").textContent = words;
@@ -159,8 +159,8 @@ const show = async () => {
   const frame = browser.frames[state.order[state.place]], own = frame.maps[state.method.key], ticket = ++state.shown;
   byId("frame").value = state.place;
   byId("frame").setAttribute("aria-valuetext", frame.name);
-  const auc = own && own.auc != null ? `, AUC of this frame ${own.auc.toFixed(3)}` : "";
-  byId("frame-title").textContent = `${state.place + 1} of ${state.order.length}: ${frame.name}${frame.time == null ? "" : ", " + frame.time.toFixed(2) + " s"}${auc}${frame.words ? ". " + frame.words : ""}`;
+  const auc = own && own.auc != null ? `, AUC of this frame ${own.auc.toFixed(3)}` : "", words = frame.words ? ". " + frame.words[0].toUpperCase() + frame.words.slice(1) : "";
+  byId("frame-title").textContent = `${state.place + 1} of ${state.order.length}: ${frame.name}${frame.time == null ? "" : ", " + frame.time.toFixed(2) + " s"}${auc}${words}`;
   const [photo, horizon, score, side] = await Promise.all([decode(frame.photo), frame.horizon ? decode(frame.horizon) : null, own ? decode(own.score) : null, own ? decode(own.side) : null]);
   if (ticket !== state.shown) return;
   const make = () => canvasOf(photo.width, photo.height), cells = [];
