@@ -54,9 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="predict frames as they come, learn from the newest when there is time",
     )
     parser.add_argument("--speed", type=positive_seconds, metavar="X", help="of --real-time (default: 1)")
-    parser.add_argument(
-        "--mavlink", metavar="URL", help="as --attitude mavlink:URL"
-    )
+    parser.add_argument("--mavlink", metavar="URL", help="as --attitude mavlink:URL")
     add_autopilot(parser)
 
 
@@ -112,15 +110,14 @@ def _source(arguments: argparse.Namespace) -> "FrameSource":
         options = "--camera-delay, --system or --signing-key"
         raise InputError(options, "has no meaning without an autopilot", "give --attitude mavlink:URL")
     check_autopilot(arguments)
-    source = open_source(arguments.data, arguments.format, given(arguments), delay_s=arguments.camera_delay)
+    wanted = given(arguments, needs_attitude=url is None)
+    source = open_source(arguments.data, arguments.format, wanted, delay_s=arguments.camera_delay)
     if url is None:
         return source
     if not isinstance(source, CameraSource):
         raise InputError(f"mavlink:{url}", "is the attitude of a camera alone", "give a recording's own log")
     if source.camera is None:
-        raise InputError(
-            "--camera", "is missing", "name the calibration that holds the mount"
-        )
+        raise InputError("--camera", "is missing", "name the calibration that holds the mount")
     return WithAutopilot(source, lambda: open_link(url, arguments.system, arguments.signing_key))
 
 
