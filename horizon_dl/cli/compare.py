@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.reporting.comparison import write_comparison
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
-    from horizon_dl.visualization.file_sinks import ResultNames
+    from horizon_dl.visualization.result_names import ResultNames
     from horizon_dl.workers import open_workers
 
     split = split_recording(recording, arguments.protocol)

@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
     from horizon_dl.simulation.embedded import embedded_set
-    from horizon_dl.visualization.file_sinks import ResultNames
+    from horizon_dl.visualization.result_names import ResultNames
 
     recording = with_truth_of_every(3, open_recording(embedded_set()))
     split = split_recording(recording, "prequential")

@@ -29,7 +29,7 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
     from horizon_dl.training.run_folder import load_run
-    from horizon_dl.visualization.file_sinks import ResultNames
+    from horizon_dl.visualization.result_names import ResultNames
     from horizon_dl.workers import open_workers
 
     load = load_file_run if is_model_file(arguments.run_folder) else load_run

@@ -71,15 +71,16 @@ def _predict(
     from horizon_dl.cli.stopping import stopping
     from horizon_dl.data.source import Recording
     from horizon_dl.reporting.outputs import film_and_page
-    from horizon_dl.visualization.file_sinks import Arrays, Panels, ResultNames
+    from horizon_dl.visualization.file_sinks import Arrays, Panels
     from horizon_dl.visualization.log_predictions import log_predictions
+    from horizon_dl.visualization.result_names import ResultNames
     from horizon_dl.visualization.sink import Sink, closing
 
-    names = ResultNames([one.name for one in source.headers] if isinstance(source, Recording) else ())
+    names = [one.name for one in source.headers] if isinstance(source, Recording) else []
     title = f"{predictor.name} on {source.name}"
     sinks: list[Sink] = [
-        Panels(folder / "panels", names),
-        Arrays(folder / "arrays", names),
+        Panels(folder / "panels", ResultNames(names)),
+        Arrays(folder / "arrays", ResultNames(names)),
         *film_and_page(folder, source, title, lambda page: _lead(page, predictor, source)),
     ]
     lengths = [n for n in (source.length, arguments.max_frames) if n is not None]

@@ -19,9 +19,10 @@ from horizon_dl.runtime.ranged import Ranged, ranges_of
 from horizon_dl.uncertainty.measures import Measures, surprisal
 from horizon_dl.uncertainty.scores import P_ABOVE
 from horizon_dl.visualization.colours import Image
-from horizon_dl.visualization.file_sinks import ResultNames, drawn_ranges
+from horizon_dl.visualization.file_sinks import drawn_ranges
 from horizon_dl.visualization.film import Film
 from horizon_dl.visualization.panels import PanelRow, frame_panel, save_panel
+from horizon_dl.visualization.result_names import ResultNames
 
 MOST_PANELS = 8
 Pair = tuple[float, float]
@@ -61,7 +62,7 @@ class ComparisonLog:
         ranges = {name: ranges_of(scored.frame, one) for name, one in predictions.items()}
         first = next(iter(predictions))
         if self._count % self._every == 0:
-            path = self._folder / "panels" / self._names(scored.frame.name, ".jpg")
+            path = self._folder / "panels" / f"{self._names(scored.frame.name)}.jpg"
             save_panel(path, _panel(scored, predictions, ranges))
         if self._film is not None:
             self._film.log(scored.frame, predictions[first], ranges[first])

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from horizon_dl.data.source import FrameSource, Recording
+from horizon_dl.data.source import FrameSource
 from horizon_dl.reporting.run_page import FILM, Page
 from horizon_dl.visualization.film import Film
 from horizon_dl.visualization.sink import Sink
@@ -21,8 +21,7 @@ def film_and_page(
 ) -> list[Sink]:
     """A film, where it can be encoded and there is more than a picture, and a page, in this order."""
     sinks: list[Sink] = []
-    pictures = source.length if isinstance(source, Recording) else None
-    if pictures != 1 and can_film():
+    if source.length != 1 and can_film():
         # The times of plain pictures are those of their files: no pace to show them at.
         sinks.append(Film(folder / film, source.camera is not None, timed=source.camera is not None))
     return [*sinks, Page(folder, title, lead, facts)]

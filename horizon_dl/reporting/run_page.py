@@ -82,8 +82,8 @@ class Page:
         slider = Slider("model", DRAWN_SCORE, self._threshold)
         data = browser_data(self._stills.chosen(), {LEARNER: slider})
         sections: list[Section] = [Text(self._lead(self), lead=True)]
-        if (self._folder / FILM).is_file():
-            sections.append(film_section())
+        films = sorted(path.name for path in self._folder.glob("film*.mp4"))
+        sections += [film_section(name) for name in films]
         sections += [Heading("Frames"), Browser(data, facts=bool(self.aucs)), *self._charts()]
         if facts := self._facts():
             sections += [Heading("About this run"), Pairs(facts)]
@@ -102,10 +102,10 @@ class Page:
         return [Heading("Over time"), *found] if found else []
 
 
-def film_section() -> Video:
-    """The film beside the page."""
+def film_section(name: str = FILM) -> Video:
+    """A film beside the page."""
     alt = "Film: image, classification, uncertainty, obstacle map, distances and ground side by side."
-    return Video(FILM, alt)
+    return Video(name, alt)
 
 
 def auc_chart(lines: Sequence[Line]) -> Chart:

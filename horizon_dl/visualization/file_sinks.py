@@ -1,8 +1,6 @@
 """Sinks that write a file a frame: panels and arrays."""
 
-from collections.abc import Sequence
-from os.path import commonpath
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 import numpy as np
 
@@ -12,38 +10,7 @@ from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.colours import Image
 from horizon_dl.visualization.panels import PanelRow, frame_panel, save_panel
 from horizon_dl.visualization.range_picture import draw_ranged
-
-
-class ResultNames:
-    """Where the results of frames are written: by the frame's path below the folder that all share.
-
-    Example:
-        >>> names = ResultNames(["images/a/1.png", "images/b/1.png"])
-        >>> names("images/b/1.png", ".jpg").as_posix()
-        'b/1.jpg'
-    """
-
-    def __init__(self, frames: Sequence[str] = ()) -> None:
-        folders = {str(_inside(name).parent) for name in frames}
-        shared = commonpath(folders) if folders else ""
-        self._shared = PurePosixPath(shared)
-        self._taken: dict[PurePosixPath, str] = {}
-
-    def __call__(self, frame: str, suffix: str) -> PurePosixPath:
-        """The relative path for a frame; `1.png` and `1.jpg` in one folder keep their endings."""
-        path = _inside(frame)
-        if path.is_relative_to(self._shared):
-            path = path.relative_to(self._shared)
-        plain = path.with_suffix(suffix) if path.suffix else path.with_name(path.name + suffix)
-        if self._taken.setdefault(plain, frame) != frame:
-            return path.with_name(path.name + suffix)
-        return plain
-
-
-def _inside(name: str) -> PurePosixPath:
-    """A frame's name as a path that cannot leave the folder it is written to."""
-    parts = [part for part in PurePosixPath(name.replace("\\", "/")).parts if part not in ("/", "..", ".")]
-    return PurePosixPath(*parts) if parts else PurePosixPath("frame")
+from horizon_dl.visualization.result_names import ResultNames
 
 
 class Panels:
@@ -54,7 +21,7 @@ class Panels:
 
     def log(self, frame: Frame, prediction: Prediction, ranges: Ranged | None) -> None:
         """See `Sink`."""
-        save_panel(self._folder / self._names(frame.name, ".jpg"), panel(frame, prediction, ranges))
+        save_panel(self._folder / f"{self._names(frame.name)}.jpg", panel(frame, prediction, ranges))
 
     def close(self) -> None:
         """Nothing is open."""
@@ -68,7 +35,7 @@ class Arrays:
 
     def log(self, frame: Frame, prediction: Prediction, ranges: Ranged | None) -> None:
         """See `Sink`."""
-        path = self._folder / self._names(frame.name, ".npz")
+        path = self._folder / f"{self._names(frame.name)}.npz"
         path.parent.mkdir(parents=True, exist_ok=True)
         np.savez_compressed(path, **prediction.arrays())
 
