@@ -23,9 +23,7 @@ def browser_page(width: int = 1400, height: int = 900, dark: bool = False) -> It
         )
         page.set_default_timeout(60_000)
         page.complaints = []
-        page.on(
-            "console", lambda m: page.complaints.append(m.text) if m.type in ("error", "warning") else None
-        )
+        page.on("console", lambda m: page.complaints.append(m.text) if m.type == "error" else None)
         page.on("pageerror", lambda error: page.complaints.append(str(error)))
         yield page
         browser.close()

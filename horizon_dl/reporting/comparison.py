@@ -49,8 +49,8 @@ def report_sections(
         Heading("Frames"),
         *_frames(comparison, log),
     ]
-    if (folder / FILM).is_file():
-        sections += [Heading("Film"), film_section()]
+    if log.film is not None and log.film.frames:
+        sections += [Heading("Film"), film_section(FILM, log.film.poster)]
     sections += [Heading("Scores"), *_curves(comparison, log)]
     sections += [
         Table(HEADER, metrics_rows(metrics), "Obstacle against floor, below the horizon.", text_columns=2),

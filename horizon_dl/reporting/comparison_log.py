@@ -42,6 +42,7 @@ class ComparisonLog:
         distances: true and stated metres of bearings with a contact in view, by the first learner.
         covered: the same where the obstacle covers the nearest visible ground: at most so far.
         thresholds: by learner, of the last frame.
+        film: of the first learner, or None.
     """
 
     def __init__(self, folder: Path, frames: int, names: ResultNames | None = None) -> None:
@@ -53,7 +54,7 @@ class ComparisonLog:
         self._folder, self._names = folder, names or ResultNames()
         self._every = max(1, -(-frames // MOST_PANELS))
         self._count = 0
-        self._film = Film(folder / FILM) if can_film() and frames > 1 else None
+        self.film = Film(folder / FILM) if can_film() and frames > 1 else None
 
     def __call__(self, scored: ScoredFrame) -> None:
         """Take one test frame."""
@@ -64,8 +65,8 @@ class ComparisonLog:
         if self._count % self._every == 0:
             path = self._folder / "panels" / f"{self._names(scored.frame.name)}.jpg"
             save_panel(path, _panel(scored, predictions, ranges))
-        if self._film is not None:
-            self._film.log(scored.frame, predictions[first], ranges[first])
+        if self.film is not None:
+            self.film.log(scored.frame, predictions[first], ranges[first])
         self._keep(scored, predictions, ranges, first)
         self._range(scored, first)
         self.thresholds = dict(scored.thresholds)
@@ -73,8 +74,8 @@ class ComparisonLog:
 
     def close(self) -> None:
         """End the film."""
-        if self._film is not None:
-            self._film.close()
+        if self.film is not None:
+            self.film.close()
 
     def _keep(
         self,

@@ -103,13 +103,10 @@ def _best_score(metrics: Mapping[str, Any], learner: str, own: Both) -> str:
 
 def _trained_on(metrics: Mapping[str, Any]) -> str:
     if metrics["protocol"] == "evaluate":
-        if metrics.get("trained_on") == metrics["data"]:
+        trained_on = metrics.get("trained_on")
+        if trained_on == metrics["data"]:
             return "It was trained on these frames, or on others of this very flight: expect less elsewhere."
-        return (
-            f"It was trained on {metrics['trained_on']}, not on these frames."
-            if metrics.get("trained_on")
-            else ""
-        )
+        return f"It was trained on {trained_on}." if trained_on else ""
     if metrics["protocol"] == "prequential":
         return "Every frame was predicted before it was learned from."
     return "The frames scored here were not trained on."

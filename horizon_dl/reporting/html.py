@@ -22,6 +22,7 @@ from horizon_dl.reporting.sections import (
     Table,
     Text,
     Video,
+    data_address,
 )
 
 POLICY = (
@@ -150,13 +151,14 @@ def _findings(section: Findings) -> Html:
 
 
 def _video(section: Video) -> Html:
+    poster = data_address(section.poster) if section.poster else None
     film = el(
-        "video", src=section.path, controls=True, loop=True, muted=True, playsinline=True,
+        "video", src=section.path, controls=True, poster=poster, loop=True, muted=True, playsinline=True,
         preload="metadata", aria_label=section.alt,
     )  # fmt: skip
     return el(
         "figure",
         film,
-        el("figcaption", f"{section.caption or section.alt} ", el("a", section.path, href=section.path)),
+        el("figcaption", f"{section.alt} ", el("a", section.path, href=section.path)),
         class_="wide film",
     )

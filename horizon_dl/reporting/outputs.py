@@ -20,11 +20,12 @@ def film_and_page(
     film: str = FILM,
 ) -> list[Sink]:
     """A film, where it can be encoded and there is more than a picture, and a page, in this order."""
-    sinks: list[Sink] = []
+    shown = None
     if source.length != 1 and can_film():
         # The times of plain pictures are those of their files: no pace to show them at.
-        sinks.append(Film(folder / film, source.camera is not None, timed=source.camera is not None))
-    return [*sinks, Page(folder, title, lead, facts)]
+        shown = Film(folder / film, source.camera is not None, timed=source.camera is not None)
+    page = Page(folder, title, lead, facts, shown)
+    return [page] if shown is None else [shown, page]
 
 
 def can_film() -> bool:

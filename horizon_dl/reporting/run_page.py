@@ -13,6 +13,7 @@ from horizon_dl.reporting.stills import Said, Slider, Stills, auc_of, browser_da
 from horizon_dl.runtime.prediction import DRAWN_SCORE, Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.file_sinks import drawn_ranges
+from horizon_dl.visualization.film import Film
 
 LEARNER = "model"
 FILM = "film.mp4"
@@ -39,6 +40,7 @@ class Page:
         title: of the page.
         lead: the sentence that says what happened; asked for at the end.
         facts: more about the run, asked for at the end.
+        film: whose picture stands where the film can be started, or None.
 
     Attributes:
         frames: that came.
@@ -51,12 +53,14 @@ class Page:
         title: str,
         lead: Callable[["Page"], str],
         facts: Callable[[], Sequence[tuple[str, str]]] = tuple,
+        film: Film | None = None,
     ) -> None:
         self.frames = 0
         self.aucs: list[tuple[float, float]] = []
         self._nearest: list[Point] = []
         self._folder, self._title, self._lead, self._facts = folder, title, lead, facts
         self._stills = Stills(LEARNER)
+        self._film = film
         self._threshold = 0.5
 
     def log(self, frame: Frame, prediction: Prediction, ranges: Ranged | None) -> None:
@@ -83,7 +87,8 @@ class Page:
         data = browser_data(self._stills.chosen(), {LEARNER: slider})
         sections: list[Section] = [Text(self._lead(self), lead=True)]
         films = sorted(path.name for path in self._folder.glob("film*.mp4"))
-        sections += [film_section(name) for name in films]
+        poster = b"" if self._film is None else self._film.poster
+        sections += [film_section(name, poster) for name in films]
         sections += [Heading("Frames"), Browser(data, facts=bool(self.aucs)), *self._charts()]
         if facts := self._facts():
             sections += [Heading("About this run"), Pairs(facts)]
@@ -102,10 +107,10 @@ class Page:
         return [Heading("Over time"), *found] if found else []
 
 
-def film_section(name: str = FILM) -> Video:
+def film_section(name: str = FILM, poster: bytes = b"") -> Video:
     """A film beside the page."""
     alt = "Film: image, classification, uncertainty, obstacle map, distances and ground side by side."
-    return Video(name, alt)
+    return Video(name, alt, poster)
 
 
 def auc_chart(lines: Sequence[Line]) -> Chart:

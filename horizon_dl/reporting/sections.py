@@ -103,7 +103,7 @@ class Video:
 
     path: str
     alt: str
-    caption: str = ""
+    poster: bytes = b""
     kind: str = field(default="video", init=False)
 
 

@@ -9,14 +9,16 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.errors import InputError
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged
+from horizon_dl.visualization.cells import resize_image
 from horizon_dl.visualization.film_picture import FilmPicture
+from horizon_dl.visualization.panels import image_bytes
 
 TICKS = 1000
 PLAIN_S = 0.5
 """Each of a folder of plain pictures is shown so long."""
 LONGEST_S, SHORTEST_S = 1.0, 1 / 60
 """A longer gap between two frames would look like a film that hangs; a shorter one no screen shows."""
-NEEDS = "av, which encodes films"
+POSTER_FRAME = 12
 
 
 class Film:
@@ -30,6 +32,7 @@ class Film:
     Attributes:
         path: of the file.
         frames: that were written.
+        poster: a picture from the film's beginning, as a JPEG; empty before there is one.
 
     Raises:
         ModuleNotFoundError: PyAV, of the extra `logs`, is not installed.
@@ -38,7 +41,7 @@ class Film:
     def __init__(self, path: Path, with_ground: bool = True, timed: bool = True) -> None:
         import av
 
-        self.path, self.frames = path, 0
+        self.path, self.frames, self.poster = path, 0, b""
         self._av: Any = av
         self._picture = FilmPicture(with_ground)
         self._timed = timed
@@ -50,6 +53,10 @@ class Film:
     def log(self, frame: Frame, prediction: Prediction, ranges: Ranged | None) -> None:
         """See `Sink`."""
         picture = self._picture(frame, prediction, ranges)
+        if self.frames in (0, POSTER_FRAME):
+            self.poster = image_bytes(
+                resize_image(picture, 960, 960 * picture.shape[0] // picture.shape[1]), "JPEG"
+            )
         if self._container is None:
             self._open(picture.shape[1], picture.shape[0])
         else:
