@@ -29,7 +29,8 @@ CONTRAST = """() => {
 }"""
 UNNAMED = """() => [...document.querySelectorAll('img, canvas, svg, input, select, button')].filter((e) =>
   !e.closest('[hidden]') && !(e.getAttribute('alt') || e.getAttribute('aria-label') || e.textContent.trim()
-    || (e.id && document.querySelector(`label[for=${e.id}]`)) || e.closest('label'))).map((e) => e.outerHTML)"""
+    || (e.id && document.querySelector(`label[for=${e.id}]`)) || e.closest('label')))
+  .map((e) => e.outerHTML)"""
 
 
 @pytest.fixture(scope="module")
