@@ -21,8 +21,7 @@ from horizon_dl.metrics.metrics import method_metrics
 from horizon_dl.models.dropout import image_tensor
 from horizon_dl.models.fcn import HorizonFCN, enlarge
 from horizon_dl.reporting.table import format_markdown
-from horizon_dl.uncertainty.measures import binary_entropy
-from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy
 
 COUNTS = (1, 4, 16, 64)
 
@@ -96,7 +95,7 @@ def _ways(name: str, seed: int, folder: Path) -> dict[Way, Variant]:
 
 
 def _single(net: HorizonFCN) -> Callable[[Tensor], Tensor]:
-    return lambda image: net.eval().deep.classifier(net.encode(image))[0, 0].sigmoid()
+    return lambda image: net.eval().judge(net.encode(image))[0, 0].sigmoid()
 
 
 def _drawn(net: HorizonFCN, place: str, trained: bool) -> dict[Way, Variant]:

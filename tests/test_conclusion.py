@@ -13,9 +13,7 @@ def metrics(protocol="labelled-out", trained_on=None, **aucs):
 
 def test_better_than_all() -> None:
     words = conclusion(metrics(cnn=(0.99, 0.97), rf=(0.9, 0.71), position=(0.94, 0.58), geodesic=(0.9, 0.8)))
-    assert (
-        "The CNN beats the forest by 0.26 and beats position alone by 0.39 within depression" in words
-    )
+    assert "The CNN beats the forest by 0.26 and beats position alone by 0.39 within depression" in words
     assert "geodesic diffusion of the horizon label, 0.17 behind" in words
     assert "AUC 0.990 pooled, 0.970 within bands" in words
     assert "does not beat" not in words

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scene import scene
 
+from horizon_dl.output.names import ResultNames
 from horizon_dl.runtime.ranged import ranges_of
 from horizon_dl.visualization.file_sinks import Arrays, Panels
 from horizon_dl.visualization.newest_only import NewestOnly
-from horizon_dl.visualization.result_names import ResultNames
 from horizon_dl.visualization.sink import Sink, closing
 
 

@@ -9,6 +9,7 @@ is used for scoring alone.
 
 import argparse
 
+from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import (
     add_config,
     add_data,
@@ -26,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_config(parser)
     add_out(parser)
+    add_force(parser)
     add_scheduler(parser)
     parser.add_argument(
         "--protocol",
@@ -42,20 +44,24 @@ def run(arguments: argparse.Namespace) -> None:
     """Compare, write the figures, and print their table."""
     recording = open_data(arguments)
     config = resolve_config(arguments)
+    stop_if_unfit(recording, config, force=arguments.force)
 
     from horizon_dl.config import save_config
     from horizon_dl.evaluation.compare import compare, split_recording
     from horizon_dl.output import output_folder
+    from horizon_dl.output.names import ResultNames
     from horizon_dl.reporting.comparison import write_comparison
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
-    from horizon_dl.visualization.result_names import ResultNames
     from horizon_dl.workers import open_workers
 
     split = split_recording(recording, arguments.protocol)
     seeds = list(range(config.seed, config.seed + arguments.seeds))
     names = [one.name for one in recording.headers]
-    with output_folder(arguments.out) as folder, open_workers(arguments.scheduler) as workers:
+    with (
+        output_folder(arguments.out, "compare", overwrite=arguments.overwrite) as folder,
+        open_workers(arguments.scheduler) as workers,
+    ):
         log = ComparisonLog(folder, len(split.test), ResultNames(names))
         result = compare(
             recording, config, arguments.protocol, seeds, on_frame=log, progress=True, workers=workers

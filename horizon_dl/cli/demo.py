@@ -37,17 +37,17 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.evaluation.compare import compare, split_recording
     from horizon_dl.export.smoke_test import export_and_try
     from horizon_dl.output import output_folder
+    from horizon_dl.output.names import ResultNames
     from horizon_dl.reporting.comparison import write_comparison
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
     from horizon_dl.simulation.embedded import embedded_set
-    from horizon_dl.visualization.result_names import ResultNames
 
     recording = with_truth_of_every(3, open_recording(embedded_set()))
     split = split_recording(recording, "prequential")
     print(f"learning online from {len(split.train)} frames of the simulated arena, forest beside it")
     names = [one.name for one in recording.headers]
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out, "demo", overwrite=arguments.overwrite) as folder:
         log = ComparisonLog(folder, len(split.test), ResultNames(names))
         result = compare(recording, config, "prequential", [config.seed], on_frame=log, progress=True)
         write_comparison(folder, "Demo: the simulated arena, learned online", result, log, config)
@@ -60,11 +60,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 def learned_run(result: "Comparison", recording: "Recording", config: "Config") -> "Run":
     """What was learned in the one pass, ready to be exported."""
+    from horizon_dl.methods.registry import NET
     from horizon_dl.training.frame_store import FrameStore
     from horizon_dl.training.train import finished_run
 
     assert result.net is not None
-    return finished_run(result.net, FrameStore(recording, config), result.tallies["cnn"][0].train_s)
+    return finished_run(result.net, FrameStore(recording, config), result.tallies[NET][0].train_s)
 
 
 def with_truth_of_every(step: int, recording: "Recording") -> "Recording":

@@ -22,14 +22,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Evaluate, write the figures, and print their table."""
+    if not is_model_file(arguments.run_folder):
+        from horizon_dl.training.run_files import check_run_folder
+
+        check_run_folder(arguments.run_folder)
     from horizon_dl.evaluation.evaluate import evaluate
     from horizon_dl.methods.onnx_file import load_file_run
     from horizon_dl.output import output_folder
+    from horizon_dl.output.names import ResultNames
     from horizon_dl.reporting.comparison import write_comparison
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
     from horizon_dl.training.run_folder import load_run
-    from horizon_dl.visualization.result_names import ResultNames
     from horizon_dl.workers import open_workers
 
     load = load_file_run if is_model_file(arguments.run_folder) else load_run
@@ -37,7 +41,10 @@ def run(arguments: argparse.Namespace) -> None:
     recording = open_data(arguments)
     labelled = sum(entry.labelled for entry in recording.headers)
     names = [one.name for one in recording.headers]
-    with output_folder(arguments.out) as folder, open_workers(arguments.scheduler) as workers:
+    with (
+        output_folder(arguments.out, "evaluate", overwrite=arguments.overwrite) as folder,
+        open_workers(arguments.scheduler) as workers,
+    ):
         log = ComparisonLog(folder, labelled, ResultNames(names))
         result = evaluate(trained, recording, on_frame=log, progress=True, workers=workers)
         title = f"{arguments.run_folder.name} on {recording.name}"

@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from horizon_dl.cli.options import add_data, add_out, given, positive_int, say_skipped
+from horizon_dl.cli.options import add_data, add_out, given, is_model_file, positive_int, say_skipped
 
 if TYPE_CHECKING:
     from horizon_dl.data.source import FrameSource
@@ -35,16 +35,22 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.errors import InputError
     from horizon_dl.methods.open_predictor import open_predictor
     from horizon_dl.output import output_folder, write_bytes
+    from horizon_dl.output.files import check_file
     from horizon_dl.reporting.outputs import NO_FILM, can_film
     from horizon_dl.reporting.run_page import FILM
+    from horizon_dl.training.run_files import check_run_folder
 
+    if arguments.video is not None:
+        check_file(arguments.video, arguments.overwrite, "--video")
+    if not is_model_file(arguments.model):
+        check_run_folder(arguments.model)
     wanted = given(arguments, needs_attitude=False)
     source = open_source(arguments.source, arguments.format, wanted)
     predictor = open_predictor(arguments.model)
     predictor.check(source)
     if arguments.video and not can_film():
         raise InputError("--video", "needs av", "pip install 'horizon-dl[logs]'")
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out, "predict", overwrite=arguments.overwrite) as folder:
         count, skipped = _predict(arguments, predictor, source, folder)
         if not count:
             first = next(iter(skipped.values()), "it is empty")
@@ -70,10 +76,10 @@ def _predict(
 
     from horizon_dl.cli.stopping import stopping
     from horizon_dl.data.source import Recording
+    from horizon_dl.output.names import ResultNames
     from horizon_dl.reporting.outputs import film_and_page
     from horizon_dl.visualization.file_sinks import Arrays, Panels
     from horizon_dl.visualization.log_predictions import log_predictions
-    from horizon_dl.visualization.result_names import ResultNames
     from horizon_dl.visualization.sink import Sink, closing
 
     names = [one.name for one in source.headers] if isinstance(source, Recording) else []

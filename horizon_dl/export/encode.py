@@ -24,7 +24,8 @@ class Encode(nn.Module):
 
     def __init__(self, net: HorizonFCN, *, interleaved: bool) -> None:
         super().__init__()
-        self.encoder, self.neck = deepcopy(net.encoder), net.deep.neck
+        self.encoder = deepcopy(net.encoder)
+        self.necks = nn.ModuleList(head.neck for head in net.heads())
         self.interleaved, self.folded = interleaved, isinstance(net.encoder, SmallEncoder)
         if isinstance(self.encoder, SmallEncoder):
             layer = Interleaved if interleaved else Planar
@@ -35,17 +36,17 @@ class Encode(nn.Module):
         if not self.folded:
             planes = image.permute(0, 3, 1, 2) if self.interleaved else image
             image = normalised(planes / 255.0)
-        features: Tensor = self.neck(self.encoder(image)[-1])
-        return features
+        depths = self.encoder(image)
+        return torch.cat([neck(part) for neck, part in zip(self.necks, depths, strict=True)], dim=1)
 
 
 def folded_first_layer(encoder: SmallEncoder) -> tuple[Tensor, Tensor]:
     """Weight and bias of the first convolution with its batch norm and the scaling of grey levels inside."""
     convolution, norm = cast(nn.Sequential, encoder.stem[0])
-    assert isinstance(convolution, nn.Conv2d)
-    assert isinstance(norm, nn.BatchNorm2d)
-    assert norm.running_mean is not None
-    assert norm.running_var is not None
+    if not (isinstance(convolution, nn.Conv2d) and isinstance(norm, nn.BatchNorm2d)):
+        raise TypeError("the encoder does not begin with a convolution and its batch norm")
+    if norm.running_mean is None or norm.running_var is None:
+        raise TypeError("the first batch norm keeps no statistics")
     offset = normalised(torch.zeros(1, dtype=torch.float64))
     scale = (normalised(torch.ones(1, dtype=torch.float64)) - offset) / 255
     gain = norm.weight.double() / (norm.running_var.double() + norm.eps).sqrt()

@@ -1,7 +1,6 @@
 """Writing the graph as an ONNX file with its card and seal inside."""
 
 import json
-import logging
 import tempfile
 import warnings
 from pathlib import Path
@@ -13,8 +12,10 @@ import torch
 from horizon_dl import __version__
 from horizon_dl.export.card import INPUTS, KIND, OUTPUTS
 from horizon_dl.export.graph import WholeWay
-from horizon_dl.runtime.checksum import BLANK, sealed
+from horizon_dl.quiet import quiet_logger
+from horizon_dl.runtime.checksum import BLANK, BLANK_SIGNED, sealed
 from horizon_dl.runtime.model import CARD_KEY
+from horizon_dl.runtime.signature import Signer
 
 OPSET = 18
 RANDOM_OPERATORS = {
@@ -38,9 +39,9 @@ def graph_of(module: WholeWay) -> onnx.ModelProto:
     """
     width, height = module.image_size
     image = torch.zeros(1, height, width, 3, dtype=torch.uint8)
-    with warnings.catch_warnings(), torch.inference_mode(), tempfile.TemporaryDirectory() as folder:
+    quiet = quiet_logger("torch.onnx")
+    with warnings.catch_warnings(), quiet, torch.inference_mode(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore")
-        logging.getLogger("torch.onnx").setLevel(logging.ERROR)
         torch.onnx.export(
             module.eval(),
             (image, torch.tensor([0.0, -1.0, 0.0])),
@@ -60,15 +61,15 @@ def graph_of(module: WholeWay) -> onnx.ModelProto:
     return graph
 
 
-def file_bytes(graph: onnx.ModelProto, card: dict[str, Any]) -> bytes:
-    """The sealed file of a graph and its card."""
+def file_bytes(graph: onnx.ModelProto, card: dict[str, Any], sign: Signer | None = None) -> bytes:
+    """The sealed file of a graph and its card, signed if asked for."""
     file = onnx.ModelProto()
     file.CopyFrom(graph)
-    file.doc_string = BLANK
+    file.doc_string = BLANK if sign is None else BLANK_SIGNED
     file.producer_name, file.producer_version = "horizon-dl", __version__
     file.graph.name = "obstacles"
     texts = {"kind": KIND, CARD_KEY: json.dumps(card, allow_nan=False)}
     texts |= {key: card[key] for key in ("what", "limits", "licence", "patents", "weights_sha256")}
     onnx.helper.set_model_props(file, texts)
     onnx.checker.check_model(file, full_check=True)
-    return sealed(file.SerializeToString(deterministic=True))
+    return sealed(file.SerializeToString(deterministic=True), sign)

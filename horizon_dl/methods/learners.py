@@ -13,14 +13,14 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
+from horizon_dl.methods.scores import score_maps
 from horizon_dl.models.dropout import single_pass_p_above
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest, draw_view_pixels
 from horizon_dl.models.net_measures import net_measures
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.online.learner import OnlineLearner
-from horizon_dl.uncertainty.measures import binary_entropy, measures
-from horizon_dl.uncertainty.scores import P_ABOVE, score_maps
+from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy, measures
 from horizon_dl.workers import HERE, Workers
 
 Map = NDArray[np.float32]

@@ -9,6 +9,7 @@ from horizon_dl.evaluation.scoring import ScoredFrame
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.range_truth import level_ranges, true_distances
 from horizon_dl.metrics.ranging import EVALUATION_BEARINGS, RangingTally
+from horizon_dl.output.names import ResultNames
 from horizon_dl.ranging.free_distance import Outcome, p_of_entropy
 from horizon_dl.reporting.outputs import can_film
 from horizon_dl.reporting.run_page import FILM
@@ -16,13 +17,11 @@ from horizon_dl.reporting.stills import Said, Stills, auc_of, still
 from horizon_dl.reporting.table import METHOD_NAMES
 from horizon_dl.runtime.prediction import DRAWN_SCORE, Prediction
 from horizon_dl.runtime.ranged import Ranged, ranges_of
-from horizon_dl.uncertainty.measures import Measures, surprisal
-from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.uncertainty.measures import P_ABOVE, Measures, surprisal
 from horizon_dl.visualization.colours import Image
 from horizon_dl.visualization.file_sinks import drawn_ranges
 from horizon_dl.visualization.film import Film
 from horizon_dl.visualization.panels import PanelRow, frame_panel, save_panel
-from horizon_dl.visualization.result_names import ResultNames
 
 MOST_PANELS = 8
 Pair = tuple[float, float]

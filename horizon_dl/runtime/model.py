@@ -9,9 +9,10 @@ import numpy as np
 import onnxruntime
 from numpy.typing import ArrayLike, NDArray
 
-from horizon_dl.errors import InputError
+from horizon_dl.errors import InputError, shortened
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.checksum import read_sealed
+from horizon_dl.runtime.signature import Verifier
 
 INPUTS = ("image", "up_cam")
 OUTPUTS = (
@@ -76,20 +77,26 @@ class ObstacleModel:
         self.threshold = float(card["threshold"]["value"])
 
     @classmethod
-    def load(cls, path: str | Path, threads: int = 1) -> "ObstacleModel":
+    def load(cls, path: str | Path, threads: int = 1, trusted: Verifier | None = None) -> "ObstacleModel":
         """Check a file's seal and make it ready; nothing in it is executed but its ONNX operators.
+
+        Args:
+            path: of the file.
+            threads: within an operator.
+            trusted: whose signature the file has to bear; see `read_verifier`.
 
         Raises:
             InputError: no such file, another kind of file, cut off, altered, or without its card.
         """
         path = Path(path)
-        content, sha256 = read_sealed(path)
+        content, sha256 = read_sealed(path, trusted)
         try:
             session = new_session(content, threads)
             card = json.loads(session.get_modelmeta().custom_metadata_map[CARD_KEY])
             model = cls(session, card, sha256)
         except Exception as error:  # onnxruntime has a dozen exceptions of its own
-            problem = f"cannot be loaded ({str(error).splitlines()[0]})"
+            said = next(iter(str(error).splitlines()), type(error).__name__)
+            problem = f"cannot be loaded ({shortened(said, 200)})"
             raise InputError(path, problem, "export it again with `horizon-dl export`") from None
         names = (
             tuple(one.name for one in session.get_inputs()),

@@ -5,12 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from horizon_dl.data.frame import Frame
+from horizon_dl.output.names import ResultNames
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.colours import Image
 from horizon_dl.visualization.panels import PanelRow, frame_panel, save_panel
 from horizon_dl.visualization.range_picture import draw_ranged
-from horizon_dl.visualization.result_names import ResultNames
 
 
 class Panels:
