@@ -229,7 +229,7 @@ class OnlineRun:
         prediction = prediction_of(frame, view, found, self.figures.validation.thresholds[NET].compute())
         try:
             self.sink.log(frame, prediction, ranges_of(frame, prediction))
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, InputError) as error:
             self.keeper.say(f"nothing is shown any more ({error}); learning goes on")
             self.sink = None
 
@@ -237,7 +237,7 @@ class OnlineRun:
         try:
             if self.sink is not None:
                 self.sink.close()
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, InputError) as error:
             self.keeper.say(f"film or page could not be finished ({error})")
 
     def _info(self) -> dict[str, Any]:

@@ -77,11 +77,7 @@ class Film:
     def _open(self, width: int, height: int) -> None:
         # Fragments: a film that is cut off by a crash still plays.
         options = {"movflags": "frag_keyframe+empty_moov+default_base_moof"}
-        try:
-            self._container = self._av.open(str(self.path), "w", format="mp4", options=options)
-        except OSError as error:
-            problem = f"cannot be written as a film ({error.strerror or error})"
-            raise InputError(self.path, problem, "give a folder that exists") from None
+        self._container = self._av.open(str(self.path), "w", format="mp4", options=options)
         # A nominal rate for the encoder; the frames' own times are what is played.
         self._stream = self._container.add_stream("libx264", rate=30)
         self._stream.width, self._stream.height, self._stream.pix_fmt = width, height, "yuv420p"
@@ -95,5 +91,9 @@ class Film:
         return min(max(gap_s, SHORTEST_S), LONGEST_S)
 
     def _write(self, packets: Any) -> None:
-        for packet in packets:
-            self._container.mux(packet)
+        try:
+            for packet in packets:
+                self._container.mux(packet)
+        except OSError as error:
+            problem = f"cannot be written as a film ({error.strerror or error})"
+            raise InputError(self.path, problem, "give a folder that exists, with room in it") from None
