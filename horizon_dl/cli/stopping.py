@@ -1,6 +1,7 @@
 """Ctrl-C and SIGTERM end a run in order; a second Ctrl-C at once."""
 
 import signal
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -18,6 +19,9 @@ def stopping(stop: Callable[[], Any]) -> Iterator[Callable[[], bool]]:
         stopped = True
         stop()
 
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False  # signals go to the main thread alone
+        return
     before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield lambda: stopped

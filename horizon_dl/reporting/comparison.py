@@ -7,20 +7,20 @@ from horizon_dl.config import Config
 from horizon_dl.evaluation.compare import Comparison
 from horizon_dl.output import write_json, write_text
 from horizon_dl.provenance import machine, versions
+from horizon_dl.reporting.browser_data import Slider, browser_data
 from horizon_dl.reporting.comparison_charts import (
     calibration_chart,
-    distance_sections,
     pooled_roc,
     roc_chart,
     roc_lines,
 )
+from horizon_dl.reporting.comparison_distances import distance_sections
 from horizon_dl.reporting.comparison_log import ComparisonLog
 from horizon_dl.reporting.conclusion import conclusion
 from horizon_dl.reporting.curves import roc_figure, save_figure
 from horizon_dl.reporting.html import report_html
 from horizon_dl.reporting.run_page import FILM, auc_chart, film_section, links_to
 from horizon_dl.reporting.sections import GLOSSARY, Browser, Heading, Links, Pairs, Section, Table, Text
-from horizon_dl.reporting.stills import Slider, browser_data
 from horizon_dl.reporting.table import HEADER, METHOD_HEADER, METHOD_NAMES, method_rows, metrics_rows
 from horizon_dl.runtime.prediction import DRAWN_SCORE
 

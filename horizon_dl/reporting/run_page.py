@@ -6,10 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from horizon_dl.data.frame import Frame
+from horizon_dl.reporting.browser_data import Slider, browser_data
 from horizon_dl.reporting.chart import Chart, Line
 from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.sections import Browser, Heading, Links, Pairs, Section, Text, Video
-from horizon_dl.reporting.stills import Said, Slider, Stills, auc_of, browser_data, still
+from horizon_dl.reporting.stills import Said, Stills, auc_of, still
 from horizon_dl.runtime.prediction import DRAWN_SCORE, Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.file_sinks import drawn_ranges
