@@ -1,6 +1,7 @@
 """A headless Chromium for tests of pages; without one the tests are skipped."""
 
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -27,3 +28,11 @@ def browser_page(width: int = 1400, height: int = 900, dark: bool = False) -> It
         page.on("pageerror", lambda error: page.complaints.append(str(error)))
         yield page
         browser.close()
+
+
+def until(page: Any, expression: str, seconds: float = 60.0) -> None:
+    """Wait until an expression is true; the browser's own way needs `eval`, which the pages forbid."""
+    end_s = time.monotonic() + seconds
+    while not page.evaluate(expression):
+        assert time.monotonic() < end_s, f"never true: {expression}"
+        time.sleep(0.05)

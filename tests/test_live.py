@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import browser_page
+from browser import browser_page, until
 from scene import scene
 from test_film import REFERENCE, part_of_the_embedded_flight, played
 from tiny_online import tiny_options
@@ -97,8 +97,8 @@ def test_the_page_in_a_browser(page: LivePage) -> None:
     for width in (390, 1400):
         with browser_page(width, dark=width == 390) as browser:
             browser.goto(page.url)
-            browser.wait_for_function("document.getElementById('now').textContent.includes('cam/001.png')")
-            browser.wait_for_function("document.getElementById('picture').naturalWidth > 500")
+            until(browser, "document.getElementById('now').textContent.includes('cam/001.png')")
+            until(browser, "document.getElementById('picture').naturalWidth > 500")
             assert browser.inner_text("#status").replace("\n", " ").startswith("watchdog ready")
             assert "<b>2</b>" in browser.inner_text("#status")
             assert "metres" in browser.get_attribute("#plot", "aria-label")

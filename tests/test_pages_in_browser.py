@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from browser import browser_page
+from browser import browser_page, until
 from made_up_report import FRAMES, write_page_of_scenes, write_report_of_scenes
 
 OBSTACLE_PIXELS = """() => {
@@ -58,7 +58,7 @@ def test_the_threshold_moves_map_rates_and_roc_together(report):
         page.click("#own-threshold")
         assert page.inner_text("#rates") == before[1]
         page.select_option("#method", "rf")
-        page.wait_for_function("document.getElementById('threshold-value').textContent === '0.600'")
+        until(page, "document.getElementById('threshold-value').textContent === '0.600'")
         assert page.complaints == []
 
 
@@ -67,12 +67,12 @@ def test_frames_by_key_and_the_worst_first(report):
         opened(page, report)
         assert page.inner_text("#frame-title").startswith(f"1 of {FRAMES}: cam/000.png")
         page.keyboard.press("ArrowRight")
-        page.wait_for_function("document.getElementById('frame-title').textContent.includes('cam/001.png')")
+        until(page, "document.getElementById('frame-title').textContent.includes('cam/001.png')")
         page.keyboard.press("ArrowLeft")
         page.keyboard.press("ArrowLeft")  # the first has none before it
-        page.wait_for_function("document.getElementById('frame-title').textContent.startsWith('1 of')")
+        until(page, "document.getElementById('frame-title').textContent.startsWith('1 of')")
         page.select_option("#order", "ten")
-        page.wait_for_function("document.getElementById('frame-title').textContent.startsWith('1 of 10')")
+        until(page, "document.getElementById('frame-title').textContent.startsWith('1 of 10')")
         aucs = page.evaluate(
             "JSON.parse(document.getElementById('data').textContent).browser.frames.map(f => f.maps.cnn.auc)"
         )
@@ -123,9 +123,7 @@ def test_it_is_one_file_that_asks_nobody(report, tmp_path):
         opened(page, alone)
         others = [url for url in asked if not url.startswith(("data:", alone.as_uri()))]
         assert all(url.endswith("/film.mp4") for url in others)
-        page.wait_for_function(
-            "!document.querySelector('video') || document.querySelector('figure.film').hidden"
-        )
+        until(page, "!document.querySelector('video') || document.querySelector('figure.film').hidden")
 
 
 def test_a_film_beside_the_page_plays(report):
@@ -134,7 +132,7 @@ def test_a_film_beside_the_page_plays(report):
         film = "document.querySelector('video')"
         if page.evaluate(f"{film}.canPlayType('video/mp4; codecs=\"avc1.42E01E\"')") == "":
             pytest.skip("this Chromium plays no H.264")
-        page.wait_for_function(f"{film}.readyState >= 1")
+        until(page, f"{film}.readyState >= 1")
         assert page.evaluate(f"{film}.videoWidth") > 1000
         assert page.evaluate(f"{film}.duration") == pytest.approx(0.2 * (FRAMES - 1), abs=0.5)
 

@@ -87,13 +87,12 @@ class LivePage:
         self._picture = FilmPicture(with_ground=True, cell_width=320)
         self.token = "" if address.local else secrets.token_urlsafe(16)
         try:
-            self._server = ThreadingHTTPServer((address.host, address.port), _handler_of(self))
+            self._server = _Server((address.host, address.port), _handler_of(self))
         except OSError as error:
             where = f"--serve {address.host}:{address.port}"
             raise InputError(
                 where, f"cannot be listened on ({error.strerror})", "take another port"
             ) from None
-        self._server.daemon_threads = True
         self.port = int(self._server.server_address[1])
         shown = address.host if address.local else _reachable(address.host)
         self.url = f"http://{shown}:{self.port}/" + (f"?token={self.token}" if self.token else "")
@@ -127,6 +126,13 @@ class LivePage:
                 PilImage.fromarray(self._picture(*newest)).save(buffer, "JPEG", quality=80)
                 self._drawn = (count, buffer.getvalue())
             return self._drawn[1]
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing: a browser that leaves while it is answered is no event."""
 
 
 def _handler_of(page: LivePage) -> type[BaseHTTPRequestHandler]:
