@@ -26,7 +26,7 @@ for (const figure of document.querySelectorAll("figure.chart")) {
     tip.textContent = `${series.name}: ${chart.x} ${format(x)}, ${chart.y} ${format(y)}${note ? ", " + note : ""}`;
     const width = svg.clientWidth, half = Math.min(tip.offsetWidth / 2, width / 2);
     tip.style.left = Math.max(half, Math.min(width - half, px / box.width * width)) + "px";
-    tip.style.top = Math.max(40, py / box.height * svg.clientHeight) + "px";
+    tip.style.top = Math.max(tip.offsetHeight + 12, py / box.height * svg.clientHeight) + "px";
   };
   const hide = () => { at = -1; tip.textContent = ""; mark.replaceChildren(); if (figure.resting) dot(...figure.resting); };
   svg.addEventListener("pointermove", (event) => {
