@@ -87,7 +87,8 @@ def _searched(likelihood: Likelihood) -> UpEstimate | None:
 
 def _parts(above: NDArray[np.bool_]) -> NDArray[np.bool_]:
     share = above.mean(axis=0)
-    return (share > LEAST_SHARE) & (share < 1 - LEAST_SHARE)
+    parts: NDArray[np.bool_] = (share > LEAST_SHARE) & (share < 1 - LEAST_SHARE)
+    return parts
 
 
 def _flat(directions: NDArray[np.floating], values: NDArray[np.floating]) -> tuple[Floats, Floats]:

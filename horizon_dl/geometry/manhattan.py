@@ -79,7 +79,8 @@ def _likelihood(ups: Floats, normal: Floats, weight: Floats, sd: float) -> Float
 
 def _density(miss: NDArray[Any], sd: float) -> NDArray[Any]:
     """Of an edge along a direction, against that of any edge, whose miss is even over all sines."""
-    return float(np.sqrt(2 / np.pi) / sd) * np.exp(np.square(miss) * (-0.5 / sd**2))
+    density: NDArray[Any] = float(np.sqrt(2 / np.pi) / sd) * np.exp(np.square(miss) * (-0.5 / sd**2))
+    return density
 
 
 def _prior(ups: Floats) -> Floats:
