@@ -245,6 +245,22 @@ def test_icl_nuim_camera_with_y_up(tmp_path: Path) -> None:
     np.testing.assert_allclose(up, [0.0, -math.cos(0.2), math.sin(0.2)], atol=1e-9)
 
 
+def test_trajectory_that_starts_in_its_first_camera(tmp_path: Path) -> None:
+    half = 0.05
+    rolled = f"1 0 2 0 0 {math.sin(half)} {math.cos(half)}"  # clockwise about the optical axis by 0.1
+    folder = trajectory(tmp_path / "freiburg1", ["0 0 0 0 0 0 1", *[rolled] * 3])
+    recording = open_recording(folder)
+    assert roll_of(recording) == pytest.approx([0.0, 0.1, 0.1, 0.1])
+    assert "starts in its first camera" in " ".join(recording.notes)
+
+
+def test_world_with_y_down_is_named(tmp_path: Path) -> None:
+    folder = make_sets.tum(tmp_path)
+    poses = [f"{START_S + 0.01 * i:.4f} 1 2 3 0 0 0 1" for i in range(20)]
+    (folder / "groundtruth.txt").write_text("\n".join(poses))
+    assert "with its y axis down it would be" in open_recording(folder).notes[0]
+
+
 def test_a_camera_that_looks_down_is_not_turned(tmp_path: Path) -> None:
     folder = make_sets.tum(tmp_path)
     poses = [f"{START_S + 0.01 * i:.4f} {0.01 * i} {0.1 * i} 30 1 0 0 0" for i in range(20)]  # flies north
