@@ -347,6 +347,14 @@ def test_pictures_of_folders_by_the_numbers_in_their_names(tmp_path: Path) -> No
     assert [h.name for h in recording.headers] == ["a/f9.JPG", "a/f10.png", "b/f10.png"]
 
 
+@pytest.mark.parametrize("option", ["attitude", "camera"])
+def test_what_a_set_has_itself_is_not_given_in_silence(tmp_path: Path, option: str) -> None:
+    folder = kitti(tmp_path)
+    given = Given(attitude="constant:0,0") if option == "attitude" else Given(camera=tmp_path / "c.yaml")
+    with pytest.raises(InputError, match=f"--{option} .*has no meaning for kitti"):
+        open_recording(folder, given=given)
+
+
 def test_given_attitude_and_camera_count_for_more_than_the_folder(tmp_path: Path) -> None:
     folder = make_sets.images_csv(tmp_path / "set", ["a.png,10.0,,", "b.png,10.1,,"], "image,time_s,x,y")
     camera, log = tmp_path / "c.yaml", tmp_path / "log.csv"
