@@ -15,6 +15,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import fmean, pstdev
+from typing import Any
 from unittest.mock import patch
 
 from nets import scored, set_names, trained_net
@@ -36,7 +37,7 @@ class Variant:
     """
 
     overrides: Sequence[str] = ()
-    costs: Mapping[str, float] = field(default_factory=dict)
+    costs: Mapping[str, Any] = field(default_factory=dict)
 
 
 PLAIN = {"CHROMA": 1.0, "EDGE_POWER": 1.0, "EDGE_LIMIT": float("inf"), "BLUR": 0.0036, "LENGTH_COST": 0.02}
