@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from horizon_dl.data.attitude_log import AttitudeLog, read_attitude
+from horizon_dl.data.attitude_log import AttitudeLog
+from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.capture.camera import CameraSource, is_live
 from horizon_dl.data.given import NOTHING_GIVEN, Given

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame, FrameHeader, RangeImage, checked
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
+
+if TYPE_CHECKING:
+    from horizon_dl.data.attitude_log import AttitudeLog
 
 MountRpy = tuple[float, float, float]
 
@@ -92,6 +95,7 @@ class Recording:
     Attributes:
         headers: of all frames, sorted by time.
         load: reads a frame's image.
+        attitudes: the log behind the headers, on the frames' clock, where there is one.
     """
 
     name: str
@@ -102,6 +106,7 @@ class Recording:
     mount_rpy_rad: MountRpy | None = None
     notes: tuple[str, ...] = ()
     live: bool = False
+    attitudes: "AttitudeLog | None" = None
 
     @property
     def length(self) -> int:

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from horizon_dl.data.attitude_log import ConstantAttitude, read_attitude
+from horizon_dl.data.attitude_log import ConstantAttitude
+from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given

@@ -1,0 +1,27 @@
+"""Opens films and what else a container holds, by PyAV."""
+
+from pathlib import Path
+from typing import Any
+
+from horizon_dl.errors import InputError
+
+
+def opened(path: Path) -> Any:
+    """An open container; close it, or use it in `with`.
+
+    Raises:
+        InputError: PyAV is missing, the file is no container, or it has no film.
+    """
+    try:
+        import av
+    except ImportError:
+        raise InputError(path, "is a film", "install horizon-dl[logs] to read it") from None
+    av.logging.set_level(av.logging.PANIC)  # what is damaged is told in our words, once
+    try:
+        container = av.open(str(path))
+    except (av.error.FFmpegError, OSError, ValueError):
+        raise InputError(path, "is no film that can be read", "convert it to MP4 with H.264") from None
+    if not container.streams.video:
+        container.close()
+        raise InputError(path, "holds no film", "give a file with a video track")
+    return container
