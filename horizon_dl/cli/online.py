@@ -54,9 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="predict frames as they come, learn from the newest when there is time",
     )
     parser.add_argument("--speed", type=positive_seconds, metavar="X", help="of --real-time (default: 1)")
-    parser.add_argument(
-        "--mavlink", metavar="URL", help="as --attitude mavlink:URL"
-    )
+    parser.add_argument("--mavlink", metavar="URL", help="as --attitude mavlink:URL")
     add_autopilot(parser)
 
 
@@ -118,9 +116,7 @@ def _source(arguments: argparse.Namespace) -> "FrameSource":
     if not isinstance(source, CameraSource):
         raise InputError(f"mavlink:{url}", "is the attitude of a camera alone", "give a recording's own log")
     if source.camera is None:
-        raise InputError(
-            "--camera", "is missing", "name the calibration that holds the mount"
-        )
+        raise InputError("--camera", "is missing", "name the calibration that holds the mount")
     return WithAutopilot(source, lambda: open_link(url, arguments.system, arguments.signing_key))
 
 

@@ -20,9 +20,7 @@ def add_data(parser: argparse.ArgumentParser, name: str = "data") -> None:
 def add_given(parser: argparse.ArgumentParser) -> None:
     """`--format`, `--camera`, `--attitude` and `--time-offset`: what the data itself lacks."""
     parser.add_argument("--format", metavar="NAME", help="format of the data (recognised if left out)")
-    parser.add_argument(
-        "--camera", type=Path, metavar="FILE", help="calibration and mount of the camera"
-    )
+    parser.add_argument("--camera", type=Path, metavar="FILE", help="calibration and mount of the camera")
     parser.add_argument(
         "--attitude",
         metavar="FROM",

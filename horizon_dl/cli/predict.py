@@ -49,9 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
     wanted = given(arguments, needs_attitude=False)
     recording = finished_recording(open_source(arguments.source, arguments.format, wanted))
     if arguments.video and not (is_model_file(arguments.model) and recording.camera):
-        raise InputError(
-            "--video", "needs an exported model and a camera", "run `horizon-dl export`"
-        )
+        raise InputError("--video", "needs an exported model and a camera", "run `horizon-dl export`")
     count = recording.length
     skipped: dict[str, str] = {}
     with output_folder(arguments.out) as folder:

@@ -60,7 +60,9 @@ class FilmLoader:
         """See `Loader`."""
         frame = self._found(index)
         if frame is None:
-            raise FrameError(self.path, f"frame {index} cannot be decoded", "copy the film again, or go on without")
+            raise FrameError(
+                self.path, f"frame {index} cannot be decoded", "copy the film again, or go on without"
+            )
         turns = self.rotate_quarter_turns_ccw + round((frame.rotation or 0) / 90)
         return Pixels(np.ascontiguousarray(np.rot90(_rgb(frame), turns)))
 

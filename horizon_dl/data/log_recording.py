@@ -46,8 +46,10 @@ def headers_by_log(
     if not inside and given.needs_attitude and not given.find_offset:
         raise InputError(where, f"and its log never meet: {ranges}", suggestion(times_s, log))
     headers = [moved.header(name, time_s, mount) for name, time_s in pairs]
-    few = () if inside >= OVERLAP_SHARE * len(names) else (
-        f"Only {inside} of {len(names)} frames lie inside the log; {suggestion(times_s, log)}.",
+    few = (
+        ()
+        if inside >= OVERLAP_SHARE * len(names)
+        else (f"Only {inside} of {len(names)} frames lie inside the log; {suggestion(times_s, log)}.",)
     )
     return headers, moved, (f"Clocks: {ranges}.", *few, *log.notes)
 

@@ -26,9 +26,7 @@ def read(path: Path) -> AttitudeLog:
     """
     rows = read_table(path, COLUMNS[:3])
     times_s, roll, pitch, yaw, height = (column(path, rows, name) for name in (*COLUMNS, "height_m"))
-    log = log_of_angles(
-        times_s, np.stack([roll, pitch, yaw], axis=-1), height, bool(np.isfinite(yaw).any())
-    )
+    log = log_of_angles(times_s, np.stack([roll, pitch, yaw], axis=-1), height, bool(np.isfinite(yaw).any()))
     if not len(log.times_s):
         raise InputError(path, "holds no attitude", "check that its values are numbers")
     return log

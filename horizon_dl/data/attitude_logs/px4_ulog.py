@@ -34,7 +34,9 @@ def read(path: Path) -> AttitudeLog:
     try:
         log = ULog(str(path), MESSAGES)
     except Exception as error:  # pyulog lets through whatever a damaged file makes of its parsing
-        raise InputError(path, f"is no ULog that can be read ({error})", "copy it from the card again") from None
+        raise InputError(
+            path, f"is no ULog that can be read ({error})", "copy it from the card again"
+        ) from None
     attitude = _topic(log, "vehicle_attitude")
     if attitude is None or not set(QUATERNION) <= set(attitude):
         raise InputError(path, "logs no vehicle_attitude", "set SDLOG_PROFILE to log the attitude")
@@ -87,5 +89,7 @@ def _notes(log: Any) -> tuple[str, ...]:
         notes.append("The log is damaged in places, as when the power goes; the rest is used.")
     if log.dropouts:
         lost_ms = sum(dropout.duration for dropout in log.dropouts)
-        notes.append(f"The log has {len(log.dropouts)} dropouts, {lost_ms} ms in all; frames in them are left out.")
+        notes.append(
+            f"The log has {len(log.dropouts)} dropouts, {lost_ms} ms in all; frames in them are left out."
+        )
     return tuple(notes)

@@ -41,7 +41,9 @@ def read(path: Path) -> AttitudeLog:
         axes = frd_from_phone(sign * forces.mean(axis=0))
         log = log_of_inertial(_table(folder / GYROSCOPE), (times_s, sign * forces), axes)
     else:
-        raise InputError(path, f"has no {GRAVITY}", "switch the gravity sensor on in Sensor Logger and record again")
+        raise InputError(
+            path, f"has no {GRAVITY}", "switch the gravity sensor on in Sensor Logger and record again"
+        )
     return AttitudeLog(log.times_s, log.quaternions, None, log.has_yaw, None, float(log.times_s[0]), notes)
 
 

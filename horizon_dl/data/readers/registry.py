@@ -4,7 +4,18 @@ from pathlib import Path
 from typing import Protocol
 
 from horizon_dl.data.given import NOTHING_GIVEN, Given
-from horizon_dl.data.readers import euroc, film, image_files, images_csv, kitti, paparazzi, tum
+from horizon_dl.data.readers import (
+    dji_photos,
+    euroc,
+    film,
+    gopro,
+    image_files,
+    images_csv,
+    kitti,
+    paparazzi,
+    phone,
+    tum,
+)
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 
@@ -22,7 +33,18 @@ class Reader(Protocol):
         """Opens the recording."""
 
 
-MODULES: tuple[Reader, ...] = (images_csv, kitti, paparazzi, tum, euroc, film, image_files)
+MODULES: tuple[Reader, ...] = (
+    images_csv,
+    kitti,
+    paparazzi,
+    tum,
+    euroc,
+    phone,
+    gopro,
+    film,
+    dji_photos,
+    image_files,
+)
 READERS = {reader.NAME: reader for reader in MODULES}
 FORMATS: tuple[str, ...] = tuple(READERS)
 
