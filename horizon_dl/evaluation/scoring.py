@@ -17,7 +17,7 @@ from horizon_dl.metrics.accumulators import Tally, scored_pixels
 from horizon_dl.metrics.obstacle_height import by_height
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.workers import Workers
 
 Map = NDArray[np.float32]

@@ -12,9 +12,9 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
+from horizon_dl.methods.scores import fused_score
 from horizon_dl.runtime.model import ObstacleModel
-from horizon_dl.uncertainty.measures import p_other_side
-from horizon_dl.uncertainty.scores import P_ABOVE, fused_score
+from horizon_dl.uncertainty.measures import P_ABOVE, p_other_side
 
 
 @dataclass(frozen=True)

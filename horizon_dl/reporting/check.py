@@ -10,9 +10,9 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.output import write_text
-from horizon_dl.reporting.cells import resize_image, resize_map
 from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.sections import Figure, Findings, Heading, Pairs, Section, Text
+from horizon_dl.visualization.cells import resize_image, resize_map
 from horizon_dl.visualization.colours import Image
 from horizon_dl.visualization.overlays import draw_sides
 from horizon_dl.visualization.panels import image_bytes, save_panel

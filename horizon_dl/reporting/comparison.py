@@ -29,8 +29,8 @@ from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.sections import GLOSSARY, Figure, Heading, Pairs, Section, Table, Text
 from horizon_dl.reporting.table import HEADER, METHOD_HEADER, METHOD_NAMES, method_rows, metrics_rows
 from horizon_dl.training.predict import Prediction
+from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.obstacle_map import obstacle_map
-from horizon_dl.uncertainty.scores import P_ABOVE
 from horizon_dl.visualization.colours import Image
 from horizon_dl.visualization.panels import PanelRow, frame_panel, image_bytes, save_panel
 from horizon_dl.visualization.range_picture import range_picture

@@ -19,6 +19,7 @@ from tqdm import tqdm
 from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
+from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import p_above_of_all_depths, sample_p_above
 from horizon_dl.models.fcn import HorizonFCN
@@ -28,9 +29,7 @@ from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.run_folder import Run
 from horizon_dl.uncertainty.measures import binary_entropy
-from horizon_dl.uncertainty.percentile import stream_percentile
-
-THRESHOLD_FRAMES = 50
+from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
 
 
 def train_net(
@@ -143,7 +142,7 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "skipped": store.skipped,
         "train_s": train_s,
         "threshold": entropy_threshold(net, store, indices),
-        "threshold_rule": f"percentile-{config.threshold.percentile:g}",
+        "threshold_rule": PaperThreshold(config.threshold.percentile).rule,
     }
     return Run(net.eval(), config, info)
 
@@ -151,11 +150,14 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:
     """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
     config = store.config
-    entropies = (
-        binary_entropy(sample_p_above(net, view.image).mean(axis=0))[~np.isnan(view.elevation)]
-        for view in store.views(evenly(indices, THRESHOLD_FRAMES))
+    frames = (
+        (
+            binary_entropy(sample_p_above(net, view.image).mean(axis=0)),
+            labelled_pixels(view.elevation, config.labels.band_rad),
+        )
+        for view in store.views(evenly(indices, MOST_FRAMES))
     )
-    return stream_percentile(entropies, config.threshold.percentile)
+    return paper_threshold(frames, config.threshold.percentile)
 
 
 def evenly(indices: Sequence[int], count: int) -> list[int]:
