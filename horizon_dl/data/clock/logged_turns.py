@@ -40,3 +40,11 @@ def _steps(quaternions: Floats) -> Floats:
     length = np.linalg.norm(imaginary, axis=1, keepdims=True)
     angle = 2 * np.arctan2(length, np.abs(real))
     return np.asarray(imaginary * np.where(length > 1e-12, angle / np.maximum(length, 1e-12), 2.0))
+
+
+def mean_up(log: AttitudeLog, mount_rpy_rad: Sequence[float]) -> Floats:
+    """(3,) unit, the world's up in the optical frame, in the mean over the log."""
+    w, x, y, z = log.quaternions.T
+    up_body = -np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1).mean(axis=0)
+    up = OPTICAL_FROM_FRD @ rotation_from_rpy(*mount_rpy_rad).T @ up_body
+    return np.asarray(up / max(float(np.linalg.norm(up)), 1e-9))
