@@ -5,14 +5,17 @@ Verb modules import only light things at their top: `--help` has to answer at on
 
 import argparse
 import os
+import signal
 import sys
+import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 
-from horizon_dl import __version__
-from horizon_dl.errors import InputError
-from horizon_dl.processes import is_helper
+from horizon_dl import __version__, processes
+from horizon_dl.cli.places import check_places
+from horizon_dl.errors import InputError, printable, shortened
 
 VERBS = {
     "demo": "the whole story on the embedded data set",
@@ -36,9 +39,16 @@ OURS = "horizon_dl"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code: 0 done, 1 failed, 2 wrong use or bad input."""
     parsed = parse(sys.argv[1:] if arguments is None else arguments)
-    if is_helper():
+    processes.begin(parsed.verb)
+    if processes.is_helper():
         _keep_silent()
+    with _signals():
+        return _run(parsed)
+
+
+def _run(parsed: argparse.Namespace) -> int:
     try:
+        check_places(parsed)
         parsed.run(parsed)
     except InputError as error:
         return _say(2, str(error))
@@ -51,12 +61,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except KeyboardInterrupt:
-        return _say(1, "stopped; nothing half-written is left")
+    except KeyboardInterrupt as error:
+        return _say(1, str(error) or "stopped; nothing half-written is left")
     except Exception as error:
         if os.environ.get("HORIZON_DL_TRACEBACK"):
             traceback.print_exc()
-        first_line = str(error).strip().partition("\n")[0]
+        first_line = shortened(str(error).strip().partition("\n")[0])
         return _say(
             1,
             f"{parsed.verb} failed: {type(error).__name__}: {first_line}; HORIZON_DL_TRACEBACK=1 shows where",
@@ -70,18 +80,17 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         prog="horizon-dl", description="Obstacles from what lies above and below the horizon."
     )
     parser.add_argument("--version", action="version", version=f"horizon-dl {__version__}")
+    plain, overrides = split_overrides(arguments)
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for verb, summary in VERBS.items():
-        module = import_module(f"{OURS}.cli.{verb.replace('-', '_')}")
         child = verbs.add_parser(
-            verb,
-            help=summary,
-            description=module.__doc__,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            verb, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
         )
-        module.add_arguments(child)
-        child.set_defaults(run=module.run)
-    plain, overrides = split_overrides(arguments)
+        if verb in plain:  # the others' modules would only be loaded to be forgotten
+            module = import_module(f"{OURS}.cli.{verb.replace('-', '_')}")
+            child.description = module.__doc__
+            module.add_arguments(child)
+            child.set_defaults(run=module.run)
     parsed = parser.parse_args(plain)
     if overrides and not hasattr(parsed, "config"):
         parser.error(f"{parsed.verb} takes no config values: --{overrides[0]}")
@@ -108,11 +117,34 @@ def split_overrides(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     return plain, overrides
 
 
+@contextmanager
+def _signals() -> Iterator[None]:
+    """SIGTERM ends a verb as Ctrl-C does, so that nothing half-written is left; once, not in the midst of it.
+
+    Handlers are put back at the end: libraries exchange them for their own.
+    """
+
+    def end(number: int, _: object) -> None:
+        signal.signal(number, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+
+
 def _keep_silent() -> None:
     os.environ["TQDM_DISABLE"] = "1"
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say(code: int, line: str) -> int:
-    print(f"horizon-dl: {line}", file=sys.stderr)
+    print(f"horizon-dl: {printable(line)}", file=sys.stderr)
     return code

@@ -1,6 +1,7 @@
 """Options that several verbs share."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,10 +29,18 @@ def add_given(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--time-offset",
-        type=float,
-        default=0.0,
-        metavar="S",
-        help="added to a log's times to give those of the images (default: 0)",
+        type=time_offset,
+        default=(0.0, 0.0, False),
+        metavar="S[,PPM]",
+        help="added to a log's times to give those of the images, and their clock's drift in millionths; "
+        "`auto`: found from the pictures (default: 0)",
+    )
+    parser.add_argument(
+        "--topic",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="of a bag, where several fit (repeatable)",
     )
 
 
@@ -45,12 +54,27 @@ def add_config(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="N", help="of the random numbers (default: the config's, 0)")
 
 
-def add_out(parser: argparse.ArgumentParser, default: Path | None = None) -> None:
-    """`--out`."""
-    required = default is None
-    shown = "" if required else f" (default: {default})"
+def add_out(
+    parser: argparse.ArgumentParser,
+    default: Path | None = None,
+    *,
+    what: str = "where to write",
+    required: bool = True,
+) -> None:
+    """`--out` and `--overwrite`."""
+    shown = "" if default is None else f" (default: {default})"
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", required=required, default=default, help=f"where to write{shown}"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        required=required and default is None,
+        default=default,
+        help=f"{what}{shown}",
+    )
+    parser.add_argument(
+        "--overwrite",
+        action="store_true",
+        help="write even where DIR holds something; it replaces earlier results, and files of the same names",
     )
 
 
@@ -99,7 +123,16 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
     """The values of `add_given`."""
     from horizon_dl.data.given import Given
 
-    return Given(arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude)
+    offset_s, drift_ppm, find = arguments.time_offset
+    return Given(
+        arguments.camera,
+        arguments.attitude,
+        offset_s,
+        needs_attitude,
+        tuple(arguments.topic),
+        drift_ppm,
+        find,
+    )
 
 
 def open_data(arguments: argparse.Namespace) -> "Recording":
@@ -120,6 +153,25 @@ def resolve_config(arguments: argparse.Namespace) -> "Config":
 def is_model_file(path: Path) -> bool:
     """Whether a MODEL is an exported file and no run folder."""
     return path.suffix == ".onnx" or path.is_file()
+
+
+def time_offset(text: str) -> tuple[float, float, bool]:
+    """For argparse: seconds and drift in millionths, or `auto`, as the last of the three.
+
+    Example:
+        >>> time_offset("-0.25,120"), time_offset("auto")
+        ((-0.25, 120.0, False), (0.0, 0.0, True))
+    """
+    if text == "auto":
+        return 0.0, 0.0, True
+    try:
+        seconds, *drift = (float(part) for part in text.split(","))
+        values = (seconds, drift[0] if drift else 0.0)
+    except ValueError:
+        values = (math.nan, math.nan)
+    if len(text.split(",")) > 2 or not all(math.isfinite(value) for value in values):
+        raise argparse.ArgumentTypeError("must be seconds, seconds and drift as in 0.25,120, or auto")
+    return *values, False
 
 
 def positive_int(text: str) -> int:

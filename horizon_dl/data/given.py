@@ -13,6 +13,7 @@ class Given:
         attitude: `--attitude`: a log's file, `constant:ROLL,PITCH` in degrees, or `from-images`.
         time_offset_s: `--time-offset`: is added to the times of the log to give those of the images.
         needs_attitude: a recording without any attitude is refused.
+        topics: of a bag, `--topic`: which of several are meant.
         time_drift_ppm: by how much the images' clock is faster than the log's, millionths.
         find_offset: `--time-offset auto`: offset and drift are found from the pictures.
     """
@@ -21,6 +22,7 @@ class Given:
     attitude: str | None = None
     time_offset_s: float = 0.0
     needs_attitude: bool = True
+    topics: tuple[str, ...] = ()
     time_drift_ppm: float = 0.0
     find_offset: bool = False
 

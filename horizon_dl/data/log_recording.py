@@ -1,4 +1,4 @@
-"""Frames with times of their own meet a log of attitudes: the two clocks, and what is said where they do not."""
+"""Frames with times of their own meet a log of attitudes: the two clocks, and what is said about them."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -39,7 +39,7 @@ def exif_time_s(path: Path) -> float | None:
 def focal_px(path: Path, width: int, height: int) -> float | None:
     """Focal length in pixels from its 35 mm equivalent, which is by the diagonal."""
     try:
-        focal_mm = float(_exif(path).get(FOCAL_35MM, 0))
+        focal_mm = float(str(_exif(path).get(FOCAL_35MM, 0)))
     except (TypeError, ValueError):
         return None
     return focal_mm / DIAGONAL_35MM * math.hypot(width, height) if focal_mm > 0 else None

@@ -28,6 +28,7 @@ from horizon_dl.methods.learners import (
     StreamLearner,
     fit_forest,
 )
+from horizon_dl.methods.registry import FOREST, LEARNERS, NET
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
@@ -41,8 +42,6 @@ from horizon_dl.workers import HERE, Workers
 T = TypeVar("T")
 
 Learned = tuple[dict[str, Tally], HorizonFCN]
-
-LEARNERS = ("cnn", "rf")
 
 
 @dataclass
@@ -134,15 +133,15 @@ def _offline(
     net_s = time.perf_counter() - start
     forest = fit_forest(store, split.train, seed, workers)
     forest_s = time.perf_counter() - start - net_s
-    methods: dict[str, Method] = {"cnn": NetMethod(net), "rf": forest}
+    methods: dict[str, Method] = {NET: NetMethod(net), FOREST: forest}
     thresholds = {
-        "cnn": entropy_threshold(net, store, split.train),
-        "rf": _forest_threshold(forest, store, split.train, workers),
+        NET: entropy_threshold(net, store, split.train),
+        FOREST: _forest_threshold(forest, store, split.train, workers),
     }
     readings = read_frames(methods, store, split.test, workers)
     bar = _bar(readings, f"test, seed {seed}", len(split.test), progress)
     tallies = tally_readings(bar, thresholds, config.labels.band_rad, on_frame)
-    tallies["cnn"].train_s, tallies["rf"].train_s = net_s, forest_s
+    tallies[NET].train_s, tallies[FOREST].train_s = net_s, forest_s
     return tallies, net
 
 
@@ -150,9 +149,9 @@ def _forest_threshold(
     forest: ForestMethod, store: FrameStore, indices: Sequence[int], workers: Workers
 ) -> float:
     band_rad = store.config.labels.band_rad
-    readings = read_frames({"rf": forest}, store, evenly(indices, MOST_FRAMES), workers)
+    readings = read_frames({FOREST: forest}, store, evenly(indices, MOST_FRAMES), workers)
     frames = (
-        (reading.maps["rf"]["entropy"], labelled_pixels(reading.view.elevation, band_rad))
+        (reading.maps[FOREST]["entropy"], labelled_pixels(reading.view.elevation, band_rad))
         for reading in readings
     )
     return paper_threshold(frames, store.config.threshold.percentile)
@@ -162,7 +161,7 @@ def _prequential(
     store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool, _: Workers
 ) -> Learned:
     net = NetStream(store.config, seed)
-    streams: dict[str, StreamLearner] = {"cnn": net, "rf": ForestStream(store.config, seed)}
+    streams: dict[str, StreamLearner] = {NET: net, FOREST: ForestStream(store.config, seed)}
     validation = ProgressiveValidation(streams, store.config, store.recording.headers)
     for index, item in enumerate(_bar(split.train, f"online, seed {seed}", len(split.train), progress)):
         read = store.read(item)

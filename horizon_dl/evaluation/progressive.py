@@ -15,6 +15,7 @@ from horizon_dl.data.view import View
 from horizon_dl.evaluation.protocols import WARM_UP_FRAMES
 from horizon_dl.evaluation.scoring import ScoredFrame, count_frame
 from horizon_dl.geometry.horizon import labelled_pixels
+from horizon_dl.methods.registry import NET
 from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.uncertainty.measures import P_ABOVE
@@ -48,7 +49,7 @@ class ProgressiveValidation:
         methods: Iterable[str],
         config: Config,
         headers: Sequence[FrameHeader] = (),
-        ranged: str = "cnn",
+        ranged: str = NET,
     ) -> None:
         names = tuple(methods)
         self.tallies = {name: Tally() for name in names}

@@ -8,6 +8,7 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.evaluation.progressive import ProgressiveValidation
+from horizon_dl.methods.registry import NET
 from horizon_dl.methods.scores import score_maps
 from horizon_dl.metrics.accumulator_state import (
     ranging_snapshot,
@@ -26,7 +27,6 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.uncertainty.measures import P_ABOVE, Measures
 
-NET = "cnn"
 SCORES = (
     "entropy",
     "expected_entropy",

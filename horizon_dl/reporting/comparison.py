@@ -15,6 +15,7 @@ from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.calibration_error import Reliability
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.output import write_json
+from horizon_dl.output.names import ResultNames
 from horizon_dl.provenance import machine, versions
 from horizon_dl.reporting.curves import (
     Floats,
@@ -51,13 +52,14 @@ class PanelWriter:
         self._folder = folder / "panels"
         self._every = max(1, -(-frames // MOST_PANELS))
         self._count = 0
+        self._names = ResultNames()
         self.pictures: list[tuple[str, bytes]] = []
 
     def __call__(self, scored: ScoredFrame) -> None:
         """Take one test frame."""
         if self._count % self._every == 0:
             panel = comparison_panel(scored)
-            save_panel(self._folder / f"{Path(scored.frame.name).stem}.jpg", panel)
+            save_panel(self._folder / f"{self._names(scored.frame.name)}.jpg", panel)
             self.pictures.append((scored.frame.name, image_bytes(panel, "JPEG")))
         self._count += 1
 

@@ -17,9 +17,12 @@ NAME = "gopro"
 NEEDS = "a GoPro film with its track of sensors, .mp4"
 TRACK = "GoPro MET"
 
-FRD_FROM_XYZ = np.diag([-1.0, -1.0, -1.0]) @ np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+FRD_FROM_XYZ = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
 """From GoPro's sensor axes (X left, Y back, Z up) to forward, right, down."""
-NO_GRAVITY = "No gravity in this GoPro's track: the attitude is from gyroscope and accelerometer; look at the overlays."
+NO_GRAVITY = (
+    "No gravity in this GoPro's track: the attitude is from gyroscope and accelerometer; "
+    "look at the overlays."
+)
 ON_KARMA = (
     "The track has the attitude of a drone, too (ATTD): it is the body's, not the camera's, and is not used; "
     "the gimbal is taken to hold the camera, so expect an error of 2 degrees."

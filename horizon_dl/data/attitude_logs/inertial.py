@@ -1,8 +1,8 @@
 """An attitude log from gyroscope and accelerometer of a finished recording.
 
-The gyroscope carries all accelerometer samples into one frame, that of the start. There their mean over a window
-around each moment is up: what the vehicle speeds up in it is slowed down again. A filter that only knows the past
-takes a start under way for a tilt; this one has the future, too.
+The gyroscope carries all accelerometer samples into one frame, that of the start. There their mean over a
+window around each moment is up: what the vehicle speeds up in it is slowed down again. A filter that only
+knows the past takes a start under way for a tilt; this one has the future, too.
 """
 
 import math
@@ -26,7 +26,7 @@ def log_of_inertial(
     *,
     gimbal: bool = False,
 ) -> AttitudeLog:
-    """Attitudes at the gyroscope's times, on which the accelerometer is interpolated; the heading starts at 0.
+    """Attitudes at the gyroscope's times; the heading starts at 0.
 
     Args:
         gyro: times (N,) s, sorted, and rates (N, 3) rad/s.
@@ -76,7 +76,7 @@ def turned(times_s: Floats, rates: Floats) -> Floats:
 
 
 def around(times_s: Floats, values: Floats, window_s: float = WINDOW_S) -> Floats:
-    """Means (N, k) of the values of up to `window_s` before and as long after each time (shorter at the ends)."""
+    """Means (N, k) of the values up to `window_s` before and after each time; shorter at the ends."""
     sums = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
     first = np.searchsorted(times_s, times_s - window_s, side="left")
     last = np.searchsorted(times_s, times_s + window_s, side="right")

@@ -1,8 +1,8 @@
 """GoPro's metadata (GPMF): keys, lengths and values, walked without any library.
 
-An item is a key of four letters, a type, the size of one structure, their number (big-endian), and the values,
-filled up to four bytes. Type 0 holds further items. A device (DEVC) holds streams (STRM); a stream holds how
-its last item, the samples, is to be read: SCAL divides them, TYPE gives the types of mixed structures.
+An item is a key of four letters, a type, the size of one structure, their number (big-endian), and the
+values, filled up to four bytes. Type 0 holds further items. A device (DEVC) holds streams (STRM); a stream
+holds how its last item, the samples, is to be read: SCAL divides them, TYPE gives the types of mixed ones.
 """
 
 import struct
@@ -16,7 +16,8 @@ Floats = NDArray[np.float64]
 
 HEAD = struct.Struct(">4sBBH")
 NUMBERS = {
-    "b": "b", "B": "B", "s": "h", "S": "H", "l": "i", "L": "I", "f": "f", "d": "d", "j": "q", "J": "Q", "q": "i", "Q": "q",
+    "b": "b", "B": "B", "s": "h", "S": "H", "l": "i", "L": "I", "f": "f", "d": "d", "j": "q", "J": "Q",
+    "q": "i", "Q": "q",
 }  # fmt: skip
 """Types of numbers in the terms of `struct`; q and Q are fixed-point."""
 FIXED_POINT = {"q": 2.0**-16, "Q": 2.0**-32}

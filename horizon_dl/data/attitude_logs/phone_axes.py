@@ -29,4 +29,4 @@ def frd_from_phone(up: ArrayLike) -> NDArray[np.float64]:
     """
     up = np.asarray(up, np.float64)
     turn = max(QUARTER_TURNS, key=lambda turn: float((turn @ up)[1]))
-    return UPRIGHT @ turn
+    return np.asarray(UPRIGHT @ turn)

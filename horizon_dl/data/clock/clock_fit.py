@@ -1,8 +1,8 @@
 """Where between two clocks the turns agree: offset, drift over long films, and how sure that is.
 
-The turns that the pictures show are correlated with those of the log, over all offsets, in windows of some seconds.
-A line through the windows' best offsets is offset and drift. The doubt is the jackknife's: how far the result moves
-when a part of the pictures is left out.
+The turns that the pictures show are correlated with those of the log, over all offsets, in windows of some
+seconds. A line through the windows' best offsets is offset and drift. The doubt is the jackknife's: how far
+the result moves when a part of the pictures is left out.
 """
 
 from dataclasses import dataclass
@@ -62,7 +62,11 @@ def fit_clock(window: Window, nearest_s: float | None = None) -> ClockFit | None
     if good.sum() < LEAST_PAIRS or len(window.log_times_s) < 3:
         return None
     window = Window(
-        window.starts_s[good], window.ends_s[good], _tamed(window.seen[good]), window.log_times_s, window.logged
+        window.starts_s[good],
+        window.ends_s[good],
+        _tamed(window.seen[good]),
+        window.log_times_s,
+        window.logged,
     )
     frame_s = float(np.median(window.ends_s - window.starts_s))
     found = [peaks(one, frame_s, nearest_s) for one in window.split()]

@@ -1,4 +1,4 @@
-"""How the camera turned by the log, as sums from its start: the turn between any two times is a difference."""
+"""How the camera turned by the log, summed from its start: between two times, a difference."""
 
 from collections.abc import Sequence
 
@@ -45,6 +45,8 @@ def _steps(quaternions: Floats) -> Floats:
 def mean_up(log: AttitudeLog, mount_rpy_rad: Sequence[float]) -> Floats:
     """(3,) unit, the world's up in the optical frame, in the mean over the log."""
     w, x, y, z = log.quaternions.T
-    up_body = -np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1).mean(axis=0)
+    up_body = -np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1).mean(
+        axis=0
+    )
     up = OPTICAL_FROM_FRD @ rotation_from_rpy(*mount_rpy_rad).T @ up_body
     return np.asarray(up / max(float(np.linalg.norm(up)), 1e-9))

@@ -1,8 +1,8 @@
 """How the camera turned from one picture to the next, from the pictures alone.
 
-A whole number of pixels is found by phase correlation; what is left, by least squares over all pixels: the change
-of brightness that a small turn about each of the camera's axes would make (Lucas and Kanade 1981, with the three
-turns as unknowns in place of a shift). Travel moves pictures, too, but not as a turn does.
+A whole number of pixels is found by phase correlation; what is left, by least squares over all pixels: the
+change of brightness that a small turn about each of the camera's axes would make (Lucas and Kanade 1981, with
+the three turns as unknowns in place of a shift). Travel moves pictures, too, but not as a turn does.
 """
 
 from dataclasses import dataclass
@@ -55,7 +55,9 @@ def small_grey(image: NDArray[np.uint8], camera: SmallCamera) -> Floats:
     """The picture in grey (height, width), of even contrast."""
     reduced = Image.fromarray(image).convert("L").resize((camera.width, camera.height), Image.Resampling.BOX)
     grey = np.asarray(reduced, np.float64)
-    smooth = sum(np.roll(grey, shift, axis) for axis in (0, 1) for shift in (-1, 1)) / 8 + grey / 2
+    smooth = grey / 2
+    for axis, shift in ((0, 1), (0, -1), (1, 1), (1, -1)):
+        smooth = smooth + np.roll(grey, shift, axis) / 8
     return np.asarray((smooth - smooth.mean()) / max(float(smooth.std()), 1.0))
 
 
@@ -76,7 +78,7 @@ def seen_turn(camera: SmallCamera, before: Floats, now: Floats) -> Floats:
     first, second, flows = before[old], now[new], camera.flows[:, *old]
     inner = (slice(BORDER, -BORDER), slice(BORDER, -BORDER))
     mean = (first + second) / 2
-    slope_down, slope_right = (slope[inner] for slope in np.gradient(mean))
+    slope_down, slope_right = np.gradient(mean, axis=0)[inner], np.gradient(mean, axis=1)[inner]
     change = (second - first)[inner] - slope_right * right - slope_down * down
     columns = [flow[inner][..., 0] * slope_right + flow[inner][..., 1] * slope_down for flow in flows]
     return _solve(np.stack([column.ravel() for column in columns], axis=-1), -change.ravel())

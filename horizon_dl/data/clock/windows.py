@@ -90,21 +90,21 @@ class Window:
         return self._where(np.arange(len(self.starts_s)) * parts // len(self.starts_s) != part)
 
     def correlation(self, offsets_s: Floats | float) -> float:
-        """Of the seen turns and the log's at an offset (of each pair), in [-1, 1]; 0 where none can be compared."""
+        """Of the seen turns and the log's at an offset (of each pair), in [-1, 1]; 0 where unknown."""
         before, after = self.starts_s - offsets_s, self.ends_s - offsets_s
         inside = (before >= self.log_times_s[0]) & (after <= self.log_times_s[-1])
         if inside.sum() < LEAST_COVER * len(inside):
             return 0.0
-        told = np.stack(
-            [
-                np.interp(after[inside], self.log_times_s, axis) - np.interp(before[inside], self.log_times_s, axis)
-                for axis in self.logged.T
-            ],
-            axis=-1,
-        )
+        told = self.told(before[inside], after[inside])
         seen = self.seen[inside]
         size = float(np.sqrt((seen**2).sum() * (told**2).sum()))
         return float((seen * told).sum()) / size if size > 0 else 0.0
+
+    def told(self, before_s: Floats, after_s: Floats) -> Floats:
+        """The log's turns (n, 3) between times of its own clock, rad."""
+        times_s, axes = self.log_times_s, self.logged.T
+        turns = [np.interp(after_s, times_s, axis) - np.interp(before_s, times_s, axis) for axis in axes]
+        return np.stack(turns, axis=-1)
 
     def refined(self, offset_s: float, frame_s: float) -> float:
         """The offset of the highest correlation within a frame and a half, s."""
@@ -133,13 +133,17 @@ def peaks(window: Window, frame_s: float, nearest_s: float | None = None) -> Pea
     step = frame_s / 2
     first, start = float(window.starts_s[0]), float(window.log_times_s[0])
     grid = np.arange(start, window.log_times_s[-1], step)
-    told = np.stack(
-        [
-            np.interp(grid + step, window.log_times_s, axis) - np.interp(grid - step, window.log_times_s, axis)
-            for axis in window.logged.T
-        ],
-        axis=-1,
-    ) / frame_s
+    told = (
+        np.stack(
+            [
+                np.interp(grid + step, window.log_times_s, axis)
+                - np.interp(grid - step, window.log_times_s, axis)
+                for axis in window.logged.T
+            ],
+            axis=-1,
+        )
+        / frame_s
+    )
     times_s = np.arange(first, window.ends_s[-1], step)
     pair = np.clip(np.searchsorted(window.starts_s, times_s, side="right") - 1, 0, None)
     known = times_s < window.ends_s[pair]
@@ -191,11 +195,13 @@ def line_through(windows: Sequence[Peaks]) -> Line | None:
             for start in one.offsets_s:
                 drifts = (other.offsets_s - start) / apart
                 lines += [Line(float(start), float(d), one.time_s) for d in drifts if abs(d) <= MOST_DRIFT]
-    return max(lines, key=lambda line: sum(one.near(float(line.at(one.time_s)), ON_LINE_S) for one in windows))
+    return max(
+        lines, key=lambda line: sum(one.near(float(line.at(one.time_s)), ON_LINE_S) for one in windows)
+    )
 
 
 def refined_line(window: Window, line: Line, frame_s: float) -> Line:
-    """The line through the windows' refined offsets, each weighted by its correlation; level for one window."""
+    """The line through the windows' refined offsets, weighted by correlation; level for one window."""
     parts = [one for one in window.split() if len(one.starts_s) >= LEAST_PAIRS]
     found = []
     for one in parts:

@@ -38,7 +38,7 @@ def read(path: Path, given: Given) -> Recording:
     paths = picture_paths(path)
     calibration = _own_camera(paths[0]) if given.camera is None else read_calibration(given.camera)
     mount = calibration.mount_rpy_rad
-    notes = ("Attitude from the gimbal (GimbalRoll, Pitch, YawDegree).",)
+    notes: tuple[str, ...] = ("Attitude from the gimbal (GimbalRoll, Pitch, YawDegree).",)
     if given.camera is None:
         notes = (*notes, "Focal length from the photo's own tags, no distortion known: --camera is better.")
     frames = [(_header(one, index, mount), FrameFiles(one)) for index, one in enumerate(paths)]

@@ -35,7 +35,7 @@ def read(path: Path, given: Given) -> Recording:
     attitude = None if given.attitude is None else read_attitude(given.attitude)
     if given.camera is not None and isinstance(attitude, ConstantAttitude):
         return _with_attitude(path, attitude, read_calibration(given.camera))
-    if given.camera is not None and attitude is not None:
+    if given.camera is not None and isinstance(attitude, AttitudeLog):
         return _with_log(path, attitude, read_calibration(given.camera), given)
     if given.needs_attitude:
         raise InputError(
