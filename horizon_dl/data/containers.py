@@ -16,7 +16,9 @@ def opened(path: Path) -> Any:
         import av
     except ImportError:
         raise InputError(path, "is a film", "install horizon-dl[logs] to read it") from None
-    av.logging.set_level(av.logging.PANIC)  # what is damaged is told in our words, once
+    # What is damaged is told in our words. Never a level: decoding threads that log would wait for Python's lock,
+    # which is held while a container is closed.
+    av.logging.set_level(None)
     try:
         container = av.open(str(path))
     except (av.error.FFmpegError, OSError, ValueError):

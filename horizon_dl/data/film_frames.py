@@ -14,6 +14,8 @@ from horizon_dl.errors import FrameError, InputError
 
 FORWARD = 30
 """Frames that are decoded on the way to a later one; further ones are sought."""
+MOST_ERRORS = 20
+"""Damaged places in a container after which it is given up."""
 BACKWARD_S = (0.0, 1.0, 5.0, float("inf"))
 """How much before a frame the search for its key frame begins; containers' indices are not always right."""
 
@@ -108,9 +110,9 @@ def _decoded(path: Path, stamp: int, before_s: float) -> Iterator[Any]:
     with container:
         stream = container.streams.video[0]
         stream.thread_type = "AUTO"
-        start = stream.start_time or 0
-        wanted = start if before_s == float("inf") else max(start, stamp - int(before_s / stream.time_base))
-        _seek(container, stream, wanted)
+        if before_s < float("inf"):
+            start = stream.start_time or 0
+            _seek(container, stream, max(start, stamp - int(before_s / stream.time_base)))
         for packet in _packets(container, stream):
             for frame in _frames_of(packet):
                 if frame.pts is None:
@@ -132,12 +134,12 @@ def _packets(container: Any, stream: Any) -> Iterator[Any]:
     """Packets as far as the container can be read."""
     import av
 
-    packets = container.demux(stream)
-    while True:
+    for _ in range(MOST_ERRORS):
         try:
-            yield next(packets)
-        except (StopIteration, av.error.FFmpegError, OSError):
+            yield from container.demux(stream)
             return
+        except (av.error.FFmpegError, OSError):
+            continue  # behind the damage
 
 
 def _frames_of(packet: Any) -> list[Any]:

@@ -1,4 +1,4 @@
-"""MARS logger (Android): a film, the time stamps of its frames, gyroscope and accelerometer, the focal length."""
+"""MARS logger (Android): a film, its frames' time stamps, gyroscope, accelerometer, focal length."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from horizon_dl.data.containers import opened
 from horizon_dl.data.film_frames import time_stamps
 from horizon_dl.data.given import Given
 from horizon_dl.data.readers.film import film_recording
-from horizon_dl.data.readers.parsing import by_time, column, read_table
+from horizon_dl.data.readers.parsing import column, read_table
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
@@ -65,20 +65,23 @@ def exposure_starts(shown_s: Floats, stamps_s: Floats) -> Floats:
     wanted_s = shown_s + offsets_s[int(np.argmin(misfits))]
     step_s = float(np.median(np.diff(shown_s))) if len(shown_s) > 1 else 1.0
     apart_s = _to_nearest(stamps_s, wanted_s)
-    return np.where(np.abs(apart_s) < step_s / 2, wanted_s + apart_s, wanted_s)
+    return np.asarray(np.where(np.abs(apart_s) < step_s / 2, wanted_s + apart_s, wanted_s))
 
 
 def _to_nearest(stamps_s: Floats, wanted_s: Floats) -> Floats:
     """From each wanted time to the nearest stamp, s."""
     after = np.clip(np.searchsorted(stamps_s, wanted_s), 0, len(stamps_s) - 1)
     later, earlier = stamps_s[after] - wanted_s, stamps_s[np.maximum(after - 1, 0)] - wanted_s
-    return np.where(np.abs(later) <= np.abs(earlier), later, earlier)
+    return np.asarray(np.where(np.abs(later) <= np.abs(earlier), later, earlier))
 
 
 def _stamps(folder: Path) -> Floats:
     path = folder / STAMPS
     stamps_s = column(path, read_table(path, (STAMP,)), STAMP) * 1e-9
-    return by_time(stamps_s, np.zeros((len(stamps_s), 1)))[0]
+    stamps_s = np.sort(stamps_s[np.isfinite(stamps_s)])
+    if not len(stamps_s):
+        raise InputError(path, "holds no time stamps", "record again")
+    return stamps_s
 
 
 def _late_s(folder: Path) -> float:
