@@ -8,8 +8,10 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from horizon_dl.config_file import builtin_config, keys_with_meaning
 from horizon_dl.data.safe_yaml import brief, parse_yaml, read_yaml
 from horizon_dl.errors import InputError, shortened
+from horizon_dl.nearest_word import meant
 
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
 Positive = Annotated[float, Field(gt=0.0)]
@@ -59,9 +61,10 @@ class ModelConfig(Section):
 class TrainConfig(Section):
     """Training with the Lightning trainer."""
 
-    rounds: tuple[Count, ...] = Field(default=(150, 100, 200), min_length=1, max_length=1000)
-    batch: Few = 9
-    crop: Annotated[int, Field(ge=32, le=10**5)] = 128
+    rounds: tuple[Count, ...] = Field(default=(120, 80, 120), min_length=1, max_length=1000)
+    batch: Few = 12
+    crop: Annotated[int, Field(ge=32, le=10**5)] = 96
+    pastes: Annotated[int, Field(ge=0, le=100)] = 3
     learning_rate: Positive = 0.003
     weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
     average_decay: Share = 0.98
@@ -84,6 +87,7 @@ class OnlineConfig(Section):
     warm_up_steps: Count = 12
     steps_per_frame: Count = 2
     batch: Annotated[int, Field(ge=2, le=4096)] = 6
+    crop: Annotated[int, Field(ge=32, le=10**5)] = 128
     learning_rate: Positive = 0.003
     half_rate_steps: Count = 300
     least_rate: Positive = 0.0003
@@ -119,25 +123,6 @@ class Config(Section):
     online: OnlineConfig = OnlineConfig()
     forest: ForestConfig = ForestConfig()
     threshold: ThresholdConfig = ThresholdConfig()
-
-
-def config_folder() -> Path:
-    """Folder of the built-in configs: inside an installed package, or at the top of a checkout."""
-    installed = Path(__file__).parent / "configs"
-    return installed if installed.is_dir() else Path(__file__).parent.parent / "configs"
-
-
-def builtin_configs() -> list[str]:
-    """Names of the built-in configs."""
-    return sorted(path.stem for path in config_folder().glob("*.yaml"))
-
-
-def builtin_config(name: str) -> Path:
-    """Path of a built-in config; InputError for an unknown name."""
-    path = config_folder() / f"{name}.yaml"
-    if name not in builtin_configs():
-        raise InputError(name, "is no built-in config", f"take one of {', '.join(builtin_configs())}")
-    return path
 
 
 def load_config(source: str | Path | None = None, overrides: Sequence[str] = ()) -> Config:
@@ -194,7 +179,7 @@ def _first_problem(error: ValidationError) -> str:
     detail = error.errors(include_url=False)[0]
     key = shortened(".".join(str(part) for part in detail["loc"]), 200)
     if detail["type"] == "extra_forbidden":
-        return f"has no key '{key}'"
+        return f"has no key '{key}'{meant(key, (name for name, _, _ in keys_with_meaning()))}"
     if detail["type"] == "missing":
         return f"lacks the key '{key}'"
     return f"{key} = {brief(detail['input'])}: {detail['msg'][0].lower()}{detail['msg'][1:]}"

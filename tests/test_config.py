@@ -7,7 +7,8 @@ import pytest
 import yaml
 
 from horizon_dl.cli.options import add_config, resolve_config
-from horizon_dl.config import Config, builtin_configs, load_config, save_config
+from horizon_dl.config import Config, load_config, save_config
+from horizon_dl.config_file import builtin_configs
 from horizon_dl.errors import InputError
 
 

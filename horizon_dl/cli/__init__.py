@@ -15,7 +15,9 @@ from importlib import import_module
 
 from horizon_dl import __version__, processes
 from horizon_dl.cli.places import check_places
+from horizon_dl.cli.suggest import SuggestingParser
 from horizon_dl.errors import InputError, printable, shortened
+from horizon_dl.nearest_word import meant
 
 VERBS = {
     "demo": "the whole story on the embedded data set",
@@ -31,8 +33,10 @@ VERBS = {
     "benchmark": "latency of an exported file on this machine",
     "fly": "the onboard loop: obstacle distances for an autopilot",
     "config": "show or copy the commented built-in configs",
+    "template": "files to fill in, for data of your own",
+    "completion": "completion of verbs and options in a shell",
 }
-EXTRA_OF = {"mujoco": "sim", "pymavlink": "drone", "serial": "drone", "cv2": "drone"}
+EXTRA_OF = {"mujoco": "sim", "pymavlink": "drone", "serial": "drone", "cv2": "drone", "cryptography": "sign"}
 OURS = "horizon_dl"
 
 
@@ -76,26 +80,46 @@ def _run(parsed: argparse.Namespace) -> int:
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Parse; dotted options (`--train.batch 4`) are collected in `overrides` for verbs with a config."""
-    parser = argparse.ArgumentParser(
+    parser = SuggestingParser(
         prog="horizon-dl", description="Obstacles from what lies above and below the horizon."
     )
     parser.add_argument("--version", action="version", version=f"horizon-dl {__version__}")
     plain, overrides = split_overrides(arguments)
+    words = os.environ.get("COMP_LINE", "").split() if "_ARGCOMPLETE" in os.environ else plain
+    verb = next((word for word in plain if not word.startswith("-")), None)
+    if verb is not None and verb not in VERBS:
+        parser.error(f"'{printable(verb)}' is no verb{meant(verb, VERBS)}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for verb, summary in VERBS.items():
         child = verbs.add_parser(
             verb, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
         )
-        if verb in plain:  # the others' modules would only be loaded to be forgotten
+        if verb in words:  # the others' modules would only be loaded to be forgotten
             module = import_module(f"{OURS}.cli.{verb.replace('-', '_')}")
             child.description = module.__doc__
             module.add_arguments(child)
+            if "--help" in plain or "-h" in plain:
+                child.epilog = _keys(child)
             child.set_defaults(run=module.run)
+    if "_ARGCOMPLETE" in os.environ:
+        import argcomplete
+
+        argcomplete.autocomplete(parser)
     parsed = parser.parse_args(plain)
     if overrides and not hasattr(parsed, "config"):
         parser.error(f"{parsed.verb} takes no config values: --{overrides[0]}")
     parsed.overrides = overrides
     return parsed
+
+
+def _keys(parser: argparse.ArgumentParser) -> str | None:
+    """Every dotted key with its meaning, for the help of verbs with a config."""
+    if parser.get_default("config") is None and not any(a.dest == "config" for a in parser._actions):
+        return None
+    from horizon_dl.config_file import keys_with_meaning
+
+    lines = [f"  --{key} {value}\n      {meaning}" for key, value, meaning in keys_with_meaning()]
+    return "\n".join(["values of the config:", *lines])
 
 
 def split_overrides(arguments: Sequence[str]) -> tuple[list[str], list[str]]:

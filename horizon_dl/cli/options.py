@@ -36,11 +36,13 @@ def add_given(parser: argparse.ArgumentParser) -> None:
         "`auto`: found from the pictures (default: 0)",
     )
     parser.add_argument(
-        "--topic",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="of a bag, where several fit (repeatable)",
+        "--time-unit", choices=("s", "ms", "us", "ns"), help="of the times in a table (found if left out)"
+    )
+    parser.add_argument(
+        "--angle-unit", choices=("rad", "deg"), help="of the angles in a table (found if left out)"
+    )
+    parser.add_argument(
+        "--topic", action="append", default=[], metavar="NAME", help="of a bag, where several fit"
     )
 
 
@@ -125,13 +127,15 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
 
     offset_s, drift_ppm, find = arguments.time_offset
     return Given(
-        arguments.camera,
-        arguments.attitude,
-        offset_s,
-        needs_attitude,
-        tuple(arguments.topic),
-        drift_ppm,
-        find,
+        camera=arguments.camera,
+        attitude=arguments.attitude,
+        time_offset_s=offset_s,
+        needs_attitude=needs_attitude,
+        time_unit=arguments.time_unit,
+        angle_unit=arguments.angle_unit,
+        time_drift_ppm=drift_ppm,
+        find_offset=find,
+        topics=tuple(arguments.topic),
     )
 
 

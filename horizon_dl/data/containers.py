@@ -16,8 +16,8 @@ def opened(path: Path) -> Any:
         import av
     except ImportError:
         raise InputError(path, "is a film", "install horizon-dl[logs] to read it") from None
-    # What is damaged is told in our words. Never a level: decoding threads that log would wait for Python's lock,
-    # which is held while a container is closed.
+    # What is damaged is told in our words. Never a level: a decoding thread that logs would wait for Python's
+    # lock, which is held while a container is closed.
     av.logging.set_level(None)
     try:
         container = av.open(str(path))

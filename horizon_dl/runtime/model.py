@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from horizon_dl.errors import InputError, shortened
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.checksum import read_sealed
+from horizon_dl.runtime.signature import Verifier
 
 INPUTS = ("image", "up_cam")
 OUTPUTS = (
@@ -76,14 +77,19 @@ class ObstacleModel:
         self.threshold = float(card["threshold"]["value"])
 
     @classmethod
-    def load(cls, path: str | Path, threads: int = 1) -> "ObstacleModel":
+    def load(cls, path: str | Path, threads: int = 1, trusted: Verifier | None = None) -> "ObstacleModel":
         """Check a file's seal and make it ready; nothing in it is executed but its ONNX operators.
+
+        Args:
+            path: of the file.
+            threads: within an operator.
+            trusted: whose signature the file has to bear; see `read_verifier`.
 
         Raises:
             InputError: no such file, another kind of file, cut off, altered, or without its card.
         """
         path = Path(path)
-        content, sha256 = read_sealed(path)
+        content, sha256 = read_sealed(path, trusted)
         try:
             session = new_session(content, threads)
             card = json.loads(session.get_modelmeta().custom_metadata_map[CARD_KEY])

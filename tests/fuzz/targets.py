@@ -18,7 +18,8 @@ import yaml
 from PIL import Image
 
 from fuzz.mutations import bomb, damaged
-from horizon_dl.config import Config, config_folder, load_config
+from horizon_dl.config import Config, load_config
+from horizon_dl.config_file import config_folder
 from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.download.fetch import _read_sums

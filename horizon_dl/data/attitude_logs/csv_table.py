@@ -4,29 +4,22 @@ from pathlib import Path
 
 import numpy as np
 
-from horizon_dl.data.attitude_log import AttitudeLog, log_of_angles
-from horizon_dl.data.readers.parsing import column, read_table
-from horizon_dl.errors import InputError
+from horizon_dl.data.attitude_log import AttitudeLog
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.tables.attitude_table import read_attitude_table
 
-NAME = "table"
-NEEDS = "a CSV file with the columns time_s, roll_rad, pitch_rad, yaw_rad, height_m"
-COLUMNS = ("time_s", "roll_rad", "pitch_rad", "yaw_rad")
+NEEDS = "a table with the columns time_s, roll_rad, pitch_rad, yaw_rad, height_m"
 
 
-def recognises(path: Path, head: bytes) -> bool:
-    """Whether the file is text; asked last."""
-    return path.is_file()
-
-
-def read(path: Path) -> AttitudeLog:
+def read(path: Path, given: Given = NOTHING_GIVEN) -> AttitudeLog:
     """Rows without an attitude are left out; yaw and height may be missing.
+
+    Other names, separators and units are read where they are certain.
 
     Raises:
         InputError: missing, a column is missing, or no row has an attitude.
     """
-    rows = read_table(path, COLUMNS[:3])
-    times_s, roll, pitch, yaw, height = (column(path, rows, name) for name in (*COLUMNS, "height_m"))
-    log = log_of_angles(times_s, np.stack([roll, pitch, yaw], axis=-1), height, bool(np.isfinite(yaw).any()))
-    if not len(log.times_s):
-        raise InputError(path, "holds no attitude", "check that its values are numbers")
-    return log
+    rows = read_attitude_table(path, given)
+    heights = rows.heights_m if np.isfinite(rows.heights_m).any() else None
+    has_yaw = bool(np.isfinite(rows.yaws_rad).any())
+    return AttitudeLog(rows.times_s, rows.quaternions, heights, has_yaw, notes=rows.notes)

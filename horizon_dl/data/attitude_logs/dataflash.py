@@ -1,7 +1,10 @@
 """ArduPilot's log (.bin, or .log as text): ATT, and CAM or TRIG at the shutter, by pymavlink."""
 
 import contextlib
-import io
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +18,7 @@ NEEDS = "ArduPilot's log, .bin or .log"
 MARKER = b"\xa3\x95"
 WANTED = ["ATT", "CAM", "TRIG", "RFND", "GPS"]
 GPS_EPOCH_S = 315964800
+MOST_TOLD = 100_000
 LEAP_SECONDS = 18
 """Between GPS time and UTC, since 2017."""
 
@@ -35,8 +39,7 @@ def read(path: Path) -> AttitudeLog:
         from pymavlink import DFReader
     except ImportError:
         raise InputError(path, "is an ArduPilot log", "install horizon-dl[logs] to read it") from None
-    # Bad headers are told to stderr in place of the caller.
-    with contextlib.redirect_stderr(io.StringIO()) as told, contextlib.redirect_stdout(told):
+    with _overheard() as told:
         rows = _rows(path, DFReader)
     if not rows["ATT"]:
         raise InputError(path, "holds no ATT message", "set LOG_BITMASK to log the attitude")
@@ -44,8 +47,9 @@ def read(path: Path) -> AttitudeLog:
     log = log_of_angles(times_s, angles, _heights(rows["RFND"], times_s))
     cameras = rows["CAM"] or rows["TRIG"]
     shutter = log_of_angles(*_attitudes(cameras)) if cameras and hasattr(cameras[0], "Roll") else None
-    bad = sum("bad header" in line for line in told.getvalue().splitlines())
-    notes = (f"The log is damaged in {bad} place{'s' * (bad > 1)}; the rest is used.",) if bad else ()
+    notes = (
+        ("The log is damaged in places; the rest is used.",) if any("bad header" in t for t in told) else ()
+    )
     return AttitudeLog(
         log.times_s,
         log.quaternions,
@@ -54,6 +58,24 @@ def read(path: Path) -> AttitudeLog:
         unix_start_s=_unix_start(rows["GPS"], float(log.times_s[0])),
         notes=notes,
     )
+
+
+@contextlib.contextmanager
+def _overheard() -> Iterator[list[str]]:
+    """What the library says of bad headers, in place of the error stream; its C part writes past Python."""
+    told: list[str] = []
+    sys.stderr.flush()
+    kept = os.dup(2)
+    with tempfile.TemporaryFile("w+", errors="replace") as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            with contextlib.redirect_stderr(file), contextlib.redirect_stdout(file):
+                yield told
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            file.seek(0)
+            told.append(file.read(MOST_TOLD))
 
 
 def _rows(path: Path, library: Any) -> dict[str, list[Any]]:

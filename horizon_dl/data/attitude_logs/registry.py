@@ -14,6 +14,7 @@ from horizon_dl.data.attitude_logs import (
     px4_ulog,
     sensor_logger,
 )
+from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.errors import InputError
 
 HEAD_BYTES = 4096
@@ -39,12 +40,15 @@ KINDS: tuple[LogKind, ...] = (
     dji_srt,
     mars_logger,
     sensor_logger,
-    csv_table,
 )
 
 
-def read_attitude(given: str) -> AttitudeLog | ConstantAttitude:
+def read_attitude(given: str, units: Given = NOTHING_GIVEN) -> AttitudeLog | ConstantAttitude:
     """What `--attitude` names: `constant:ROLL,PITCH` in degrees, or the file of a log.
+
+    Args:
+        given: the option's value.
+        units: what was given of a table's units.
 
     Raises:
         InputError: the angles are no angles, or the file cannot be read.
@@ -54,10 +58,10 @@ def read_attitude(given: str) -> AttitudeLog | ConstantAttitude:
         -1.571
     """
     kind, _, rest = given.partition(":")
-    return _constant(rest) if kind == "constant" else read_attitude_log(Path(given))
+    return _constant(rest) if kind == "constant" else read_attitude_log(Path(given), units)
 
 
-def read_attitude_log(path: Path) -> AttitudeLog:
+def read_attitude_log(path: Path, units: Given = NOTHING_GIVEN) -> AttitudeLog:
     """The attitude log in a file, or in an app's folder, of any kind.
 
     Raises:
@@ -72,8 +76,10 @@ def read_attitude_log(path: Path) -> AttitudeLog:
     for kind in KINDS:
         if kind.recognises(path, head):
             return kind.read(path)
-    needs = "; ".join(kind.NEEDS for kind in KINDS)
-    raise InputError(path, "is no attitude log of a known kind", f"needed is one of: {needs}")
+    if path.is_dir():
+        needs = "; ".join([kind.NEEDS for kind in KINDS] + [csv_table.NEEDS])
+        raise InputError(path, "is a folder, and no app's export", f"needed is one of: {needs}")
+    return csv_table.read(path, units)
 
 
 def _head(path: Path) -> bytes:

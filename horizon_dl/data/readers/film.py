@@ -50,7 +50,7 @@ def read(path: Path, given: Given) -> Recording:
     if given.needs_attitude and (attitude is None or calibration is None):
         missing = "--attitude" if attitude is None else "--camera"
         raise InputError(film, f"is a film without {missing}", "a film needs --camera and --attitude")
-    log = None if attitude is None or calibration is None else read_attitude(attitude)
+    log = None if attitude is None or calibration is None else read_attitude(attitude, given)
     return film_recording(film, NAME, given, calibration, log)
 
 

@@ -10,15 +10,16 @@ from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
-from horizon_dl.data.image_folder import FrameFiles, ImageLoader, image_recording
+from horizon_dl.data.image_folder import FrameFiles, image_loader, image_recording
 from horizon_dl.data.log_recording import headers_by_log
 from horizon_dl.data.picture_times import by_shutter, picture_times
-from horizon_dl.data.readers.parsing import IMAGE_SUFFIXES, images_in
+from horizon_dl.data.readers.parsing import IMAGE_SUFFIXES, images_in, natural, relative_name
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 
 NAME = "pictures"
 NEEDS = "images (predict alone: nothing is known of their attitude)"
+NO_PICTURES = {"labels", "depth", "range", "masks", "__MACOSX"}
 
 
 def recognises(path: Path) -> bool:
@@ -32,7 +33,7 @@ def read(path: Path, given: Given) -> Recording:
     Raises:
         InputError: an attitude is needed, and pictures have none, or no times to find it in the log.
     """
-    attitude = None if given.attitude is None else read_attitude(given.attitude)
+    attitude = None if given.attitude is None else read_attitude(given.attitude, given)
     if given.camera is not None and isinstance(attitude, ConstantAttitude):
         return _with_attitude(path, attitude, read_calibration(given.camera))
     if given.camera is not None and isinstance(attitude, AttitudeLog):
@@ -44,9 +45,9 @@ def read(path: Path, given: Given) -> Recording:
             "add frames.csv and camera.yaml, or give --camera, and --attitude LOG or constant:ROLL,PITCH",
         )
     paths = picture_paths(path)
-    headers = [FrameHeader(one.name, float(index)) for index, one in enumerate(paths)]
-    files = tuple(FrameFiles(one) for one in paths)
-    return Recording(path.resolve().name, NAME, None, headers, ImageLoader(files))
+    headers = [FrameHeader(name, float(index)) for index, name in enumerate(_names(path, paths))]
+    load, notes = image_loader(tuple(FrameFiles(one) for one in paths))
+    return Recording(path.resolve().name, NAME, None, headers, load, notes=notes)
 
 
 def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Given) -> Recording:
@@ -83,14 +84,14 @@ def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Giv
 
 
 def _with_attitude(path: Path, attitude: ConstantAttitude, calibration: Calibration) -> Recording:
-    mount = calibration.mount_rpy_rad
+    mount, paths = calibration.mount_rpy_rad, picture_paths(path)
     return image_recording(
         path.resolve().name,
         NAME,
         calibration.camera,
         [
-            (attitude.header(one.name, float(index), mount), FrameFiles(one))
-            for index, one in enumerate(picture_paths(path))
+            (attitude.header(name, float(index), mount), FrameFiles(one))
+            for index, (name, one) in enumerate(zip(_names(path, paths), paths, strict=True))
         ],
         where=path,
         attitude_from="--attitude",
@@ -100,7 +101,20 @@ def _with_attitude(path: Path, attitude: ConstantAttitude, calibration: Calibrat
 
 
 def picture_paths(path: Path) -> list[Path]:
-    """The images of a folder by name, or the one image that `path` is; empty where there is none."""
+    """The images of a folder by name, else of the folders in it; or the one image that `path` is."""
     if path.is_file():
         return [path] if path.suffix.lower() in IMAGE_SUFFIXES else []
-    return images_in(path)
+    direct = images_in(path)
+    if direct or not path.is_dir():
+        return direct
+    folders = sorted((p for p in path.iterdir() if p.is_dir() and p.name not in NO_PICTURES), key=_by_name)
+    return [image for folder in folders for image in images_in(folder)]
+
+
+def _by_name(path: Path) -> list[tuple[int, str]]:
+    return natural(path.name)
+
+
+def _names(path: Path, paths: list[Path]) -> list[str]:
+    """Of the pictures: their paths within the folder."""
+    return [one.name if path.is_file() else relative_name(one, path) for one in paths]

@@ -46,7 +46,11 @@ def read(path: Path, given: Given) -> Recording:
     film = folder / FILM
     _, shown_s = time_stamps(film)
     camera = read_calibration(given.camera) if given.camera else _own_camera(folder, film)
-    log = mars_logger.read(folder / INERTIAL) if given.attitude is None else read_attitude(given.attitude)
+    log = (
+        mars_logger.read(folder / INERTIAL)
+        if given.attitude is None
+        else read_attitude(given.attitude, given)
+    )
     times_s = exposure_starts(np.array(shown_s), _stamps(folder)) + _late_s(folder)
     return film_recording(film, NAME, given, camera, log, times_s.tolist())
 
