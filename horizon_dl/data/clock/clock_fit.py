@@ -94,9 +94,9 @@ def fit_clock(window: Window, nearest_s: float | None = None) -> ClockFit | None
 
 
 def _tamed(seen: Floats) -> Floats:
-    """Turns clipped at eight times the usual one: the measurement fails wildly now and then."""
+    """Turns clipped at four times the usual one: the measurement fails wildly now and then."""
     usual = np.median(np.linalg.norm(seen, axis=1)) + 1e-6
-    return np.asarray(np.clip(seen, -8 * usual, 8 * usual))
+    return np.asarray(np.clip(seen, -4 * usual, 4 * usual))
 
 
 def _jackknife(values: list[float]) -> float:

@@ -108,7 +108,7 @@ class Window:
 
     def refined(self, offset_s: float, frame_s: float) -> float:
         """The offset of the highest correlation within a frame and a half, s."""
-        tried = offset_s + frame_s * np.linspace(-1.5, 1.5, 31)
+        tried = offset_s + frame_s * np.linspace(-1.5, 1.5, 13)
         scores = np.array([self.correlation(one) for one in tried])
         best = int(np.clip(scores.argmax(), 1, len(tried) - 2))
         left, top, right = scores[best - 1 : best + 2]
@@ -186,18 +186,21 @@ def line_through(windows: Sequence[Peaks]) -> Line | None:
     windows = [one for one in windows if len(one.offsets_s)]
     if not windows:
         return None
-    lines = [Line(float(offset), 0.0, one.time_s) for one in windows for offset in one.offsets_s]
-    for index, one in enumerate(windows):
-        for other in windows[index + 1 :]:
-            apart = other.time_s - one.time_s
-            if apart < LONG_S / 3:
-                continue
-            for start in one.offsets_s:
-                drifts = (other.offsets_s - start) / apart
-                lines += [Line(float(start), float(d), one.time_s) for d in drifts if abs(d) <= MOST_DRIFT]
-    return max(
-        lines, key=lambda line: sum(one.near(float(line.at(one.time_s)), ON_LINE_S) for one in windows)
-    )
+    times_s = np.concatenate([np.full(len(one.offsets_s), one.time_s) for one in windows])
+    offsets_s = np.concatenate([one.offsets_s for one in windows])
+    first, second = np.nonzero(times_s[None, :] - times_s[:, None] >= LONG_S / 3)
+    drifts = (offsets_s[second] - offsets_s[first]) / (times_s[second] - times_s[first])
+    slow = np.abs(drifts) <= MOST_DRIFT
+    # One line through each peak alone, level; one through every two peaks that are far apart.
+    starts = np.concatenate([np.arange(len(times_s)), first[slow]])
+    drifts = np.concatenate([np.zeros(len(times_s)), drifts[slow]])
+    agreement = np.zeros(len(starts))
+    for one in windows:
+        wanted = offsets_s[starts] + drifts * (one.time_s - times_s[starts])
+        near = np.abs(wanted[:, None] - one.offsets_s) <= ON_LINE_S
+        agreement += np.where(near, one.correlations, 0.0).max(axis=1)
+    best = int(agreement.argmax())
+    return Line(float(offsets_s[starts[best]]), float(drifts[best]), float(times_s[starts[best]]))
 
 
 def refined_line(window: Window, line: Line, frame_s: float) -> Line:
@@ -206,7 +209,7 @@ def refined_line(window: Window, line: Line, frame_s: float) -> Line:
     found = []
     for one in parts:
         offset_s = one.refined(float(line.at(one.time_s)), frame_s)
-        for _ in range(3):  # while it climbs on
+        if abs(offset_s - float(line.at(one.time_s))) > frame_s:  # it climbs on
             offset_s = one.refined(offset_s, frame_s)
         found.append((one.time_s, offset_s, max(one.correlation(offset_s), 0.0) ** 2))
     if not found:
