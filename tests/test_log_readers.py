@@ -8,7 +8,7 @@ import make_sets
 import numpy as np
 import pytest
 
-from horizon_dl.data.given import Given
+from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.open_source import open_source
 from horizon_dl.data.readers.mars import exposure_starts
 from horizon_dl.data.source import Recording
@@ -20,7 +20,7 @@ LOGS, DATA = Path(os.environ.get("HORIZON_DL_LOGS", "none")), Path(os.environ.ge
 needs_logs = pytest.mark.skipif(not LOGS.is_dir(), reason="needs HORIZON_DL_LOGS")
 
 
-def opened(path: Path, given: Given = Given()) -> Recording:
+def opened(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     recording = open_source(path, None, given)
     assert isinstance(recording, Recording)
     return recording

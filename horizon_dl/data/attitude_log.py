@@ -50,7 +50,8 @@ class AttitudeLog:
         if attitude is None:
             return FrameHeader(name, time_s)
         up, yaw = up_in_camera(attitude, mount_rpy_rad), yaw_of(attitude) if self.has_yaw else None
-        return FrameHeader(name, time_s, up, yaw, self._height_at(time_s))
+        as_read = tuple(attitude.tolist())
+        return FrameHeader(name, time_s, up, yaw, self._height_at(time_s), as_read=as_read)
 
     def on_clock(self, offset_s: float, drift_ppm: float = 0.0) -> "AttitudeLog":
         """The log on the frames' clock.

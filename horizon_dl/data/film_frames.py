@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.containers import opened
+from horizon_dl.data.decoding import MOST_PIXELS
 from horizon_dl.data.source import Pixels
 from horizon_dl.errors import FrameError, InputError
 
 FORWARD = 30
 """Frames that are decoded on the way to a later one; further ones are sought."""
+DAMAGED = (OSError, ValueError, ArithmeticError, LookupError, RuntimeError, MemoryError)
+"""What libraries raise on a damaged file; FFmpeg's errors are all one of these."""
 MOST_ERRORS = 20
 """Damaged places in a container after which it is given up."""
 BACKWARD_S = (0.0, 1.0, 5.0, float("inf"))
@@ -117,37 +120,31 @@ def _decoded(path: Path, stamp: int, before_s: float) -> Iterator[Any]:
             for frame in _frames_of(packet):
                 if frame.pts is None:
                     frame.pts = frame.dts
-                if frame.pts is not None:
+                if frame.pts is not None and frame.width * frame.height <= MOST_PIXELS:
                     yield frame
 
 
 def _seek(container: Any, stream: Any, stamp: int) -> None:
-    import av
-
     try:
         container.seek(stamp, stream=stream)
-    except (av.error.FFmpegError, OSError):
+    except DAMAGED:
         return  # without an index: from the start
 
 
 def _packets(container: Any, stream: Any) -> Iterator[Any]:
     """Packets as far as the container can be read."""
-    import av
-
     for _ in range(MOST_ERRORS):
         try:
             yield from container.demux(stream)
             return
-        except (av.error.FFmpegError, OSError):
+        except DAMAGED:
             continue  # behind the damage
 
 
 def _frames_of(packet: Any) -> list[Any]:
-    import av
-
     try:
         return list(packet.decode())
-    except (av.error.FFmpegError, OSError):
+    except DAMAGED:
         return []
 
 

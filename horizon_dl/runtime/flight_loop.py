@@ -7,7 +7,7 @@ timer sends in any case; whenever the watchdog is not content it sends "unknown"
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -62,6 +62,7 @@ class Fly:
         sent: messages that have left; `unsent` could not.
         unknown: messages that said "unknown" because of the watchdog.
         without_attitude: pictures for whose time there was none; an autopilot has to send 10 a second.
+        on_look: told every frame that was looked at, with the sectors; it must not take long.
     """
 
     def __init__(
@@ -75,6 +76,7 @@ class Fly:
         self._sighting, self._link, self._settings, self._clock = sighting, link, settings, clock
         self._newest = _Sighted(-np.inf, None)
         self._reported_s = -np.inf
+        self.on_look: Callable[[Frame, FreeDistances], None] | None = None
         self._stop = threading.Event()
         self._error: Exception | None = None
 
@@ -147,6 +149,9 @@ class Fly:
         self.looked_at += 1
         self._newest = _Sighted(frame.time_s, found)
         self.watchdog.result(frame.time_s)
+        if self.on_look is not None:
+            seen = replace(frame, up_cam=up_cam, height_m=height_m, floor_up_cam=floor, yaw_rad=yaw_rad)
+            self.on_look(seen, found)
 
     def message_cm(self) -> NDArray[np.uint16]:
         """(72,) what is to be sent now."""

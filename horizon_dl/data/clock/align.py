@@ -34,7 +34,9 @@ def on_found_clock(recording: Recording) -> Recording:
 
 
 def _with(header: FrameHeader, known: FrameHeader) -> FrameHeader:
-    return replace(header, up_cam=known.up_cam, yaw_rad=known.yaw_rad, height_m=known.height_m)
+    return replace(
+        header, up_cam=known.up_cam, yaw_rad=known.yaw_rad, height_m=known.height_m, as_read=known.as_read
+    )
 
 
 def option(fit: ClockFit) -> str:

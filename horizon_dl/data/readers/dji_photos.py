@@ -36,7 +36,11 @@ def read(path: Path, given: Given) -> Recording:
         InputError: no photo tells an attitude, or the focal length is neither told nor given.
     """
     paths = picture_paths(path)
-    calibration = _own_camera(paths[0]) if given.camera is None else read_calibration(given.camera)
+    calibration = (
+        _own_camera(paths[0])
+        if given.camera is None
+        else read_calibration(given.camera, imu_axes=given.imu_axes)
+    )
     mount = calibration.mount_rpy_rad
     notes: tuple[str, ...] = ("Attitude from the gimbal (GimbalRoll, Pitch, YawDegree).",)
     if given.camera is None:

@@ -5,6 +5,7 @@ from pathlib import Path
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
 from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.film_frames import FilmLoader, time_stamps
 from horizon_dl.data.given import Given
 from horizon_dl.data.log_recording import headers_by_log
@@ -45,7 +46,7 @@ def read(path: Path, given: Given) -> Recording:
     """
     film = films_in(path)[0] if path.is_dir() else path
     camera = given.camera or camera_beside(film)
-    calibration = None if camera is None else read_calibration(camera)
+    calibration = None if camera is None else read_calibration(camera, imu_axes=given.imu_axes)
     attitude = given.attitude or log_beside(film)
     if given.needs_attitude and (attitude is None or calibration is None):
         missing = "--attitude" if attitude is None else "--camera"
@@ -100,6 +101,7 @@ def film_recording(
         headers,
         FilmLoader(path, tuple(stamps), 0 if calibration is None else calibration.rotate_quarter_turns_ccw),
         None if calibration is None else calibration.mount_rpy_rad,
-        notes,
+        notes if calibration is None else (*calibration.notes, *notes),
+        reading=None if calibration is None else reading_with(Convention(), calibration.mount_rpy_rad),
         attitudes=moved,
     )

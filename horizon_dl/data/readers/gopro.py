@@ -36,4 +36,4 @@ def read(path: Path, given: Given) -> Recording:
         way_out = "give --camera FILE (pinhole, fx and fy of half the width for wide, all of it for linear)"
         raise InputError(path, problem, way_out)
     log = gopro_track.read(path) if given.attitude is None else read_attitude(given.attitude, given)
-    return film.film_recording(path, NAME, given, read_calibration(place), log)
+    return film.film_recording(path, NAME, given, read_calibration(place, imu_axes=given.imu_axes), log)

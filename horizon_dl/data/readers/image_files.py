@@ -35,9 +35,9 @@ def read(path: Path, given: Given) -> Recording:
     """
     attitude = None if given.attitude is None else read_attitude(given.attitude, given)
     if given.camera is not None and isinstance(attitude, ConstantAttitude):
-        return _with_attitude(path, attitude, read_calibration(given.camera))
+        return _with_attitude(path, attitude, read_calibration(given.camera, imu_axes=given.imu_axes))
     if given.camera is not None and isinstance(attitude, AttitudeLog):
-        return _with_log(path, attitude, read_calibration(given.camera), given)
+        return _with_log(path, attitude, read_calibration(given.camera, imu_axes=given.imu_axes), given)
     if given.needs_attitude:
         raise InputError(
             path,

@@ -45,7 +45,9 @@ def read(path: Path, given: Given) -> Recording:
     folder = path if path.is_dir() else path.parent
     film = folder / FILM
     _, shown_s = time_stamps(film)
-    camera = read_calibration(given.camera) if given.camera else _own_camera(folder, film)
+    camera = (
+        read_calibration(given.camera, imu_axes=given.imu_axes) if given.camera else _own_camera(folder, film)
+    )
     log = (
         mars_logger.read(folder / INERTIAL)
         if given.attitude is None

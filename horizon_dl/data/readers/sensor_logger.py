@@ -44,7 +44,7 @@ def read(path: Path, given: Given) -> Recording:
     named = film.stem.isdigit() and len(film.stem) == 13
     start_s = int(film.stem) * 1e-3 if named else 0.0
     log = sensor_logger.read(folder) if given.attitude is None else read_attitude(given.attitude, given)
-    calibration = None if camera is None else read_calibration(camera)
+    calibration = None if camera is None else read_calibration(camera, imu_axes=given.imu_axes)
     times_s = [start_s + time_s for time_s in shown_s]
     recording = film_recording(film, NAME, given, calibration, log, times_s)
     return replace(recording, notes=(*recording.notes, LATE)) if named else recording
