@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.clock.windows import LEAST_PAIRS, LONG_S, Window, line_through, peaks, refined_line
+from horizon_dl.data.clock.line import ON_LINE_S, line_through, refined_line
+from horizon_dl.data.clock.windows import LEAST_PAIRS, LONG_S, Window, peaks
 
 Floats = NDArray[np.float64]
 
@@ -85,7 +86,7 @@ def fit_clock(window: Window, nearest_s: float | None = None) -> ClockFit | None
         drift_doubt_ppm=_jackknife([part.drift for part in parts]) * 1e6 if long else None,
         correlation=window.correlation(line.at(window.starts_s)),
         lead=float(
-            np.mean([one.near(float(line.at(one.time_s)), 0.15) for one in found])
+            np.mean([one.near(float(line.at(one.time_s)), ON_LINE_S) for one in found])
             - np.mean([one.elsewhere(float(line.at(one.time_s))) for one in found])
         ),
         frame_s=frame_s,
