@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from horizon_dl.cli import main
-from horizon_dl.data.attitude_log import read_attitude_csv
+from horizon_dl.data.attitude_logs.csv_table import read as read_attitude_csv
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.simulation.embedded import embedded_set

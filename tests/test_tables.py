@@ -10,7 +10,7 @@ from hypothesis import given as for_all
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from horizon_dl.data.attitude_log import read_attitude_csv
+from horizon_dl.data.attitude_logs.csv_table import read as read_attitude_csv
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.readers.registry import open_recording

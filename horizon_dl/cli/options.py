@@ -1,6 +1,7 @@
 """Options that several verbs share."""
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,10 +39,11 @@ def add_given(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--time-offset",
-        type=float,
-        default=0.0,
-        metavar="S",
-        help="added to a log's times to give those of the images (default: 0)",
+        type=time_offset,
+        default=(0.0, 0.0, False),
+        metavar="S[,PPM]",
+        help="added to a log's times to give those of the images, and their clock's drift in millionths; "
+        "`auto`: found from the pictures (default: 0)",
     )
     parser.add_argument(
         "--time-unit", choices=("s", "ms", "us", "ns"), help="of the times in a table (found if left out)"
@@ -133,15 +135,18 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
     """The values of `add_given`."""
     from horizon_dl.data.given import Given
 
+    offset_s, drift_ppm, find = arguments.time_offset
     return Given(
         camera=arguments.camera,
         attitude=arguments.attitude,
-        time_offset_s=arguments.time_offset,
+        time_offset_s=offset_s,
         needs_attitude=needs_attitude,
         imu_axes=arguments.imu_axes,
         convention=arguments.convention,
         time_unit=arguments.time_unit,
         angle_unit=arguments.angle_unit,
+        time_drift_ppm=drift_ppm,
+        find_offset=find,
         topics=tuple(arguments.topic),
     )
 
@@ -189,6 +194,25 @@ def resolve_config(arguments: argparse.Namespace) -> "Config":
 def is_model_file(path: Path) -> bool:
     """Whether a MODEL is an exported file and no run folder."""
     return path.suffix == ".onnx" or path.is_file()
+
+
+def time_offset(text: str) -> tuple[float, float, bool]:
+    """For argparse: seconds and drift in millionths, or `auto`, as the last of the three.
+
+    Example:
+        >>> time_offset("-0.25,120"), time_offset("auto")
+        ((-0.25, 120.0, False), (0.0, 0.0, True))
+    """
+    if text == "auto":
+        return 0.0, 0.0, True
+    try:
+        seconds, *drift = (float(part) for part in text.split(","))
+        values = (seconds, drift[0] if drift else 0.0)
+    except ValueError:
+        values = (math.nan, math.nan)
+    if len(text.split(",")) > 2 or not all(math.isfinite(value) for value in values):
+        raise argparse.ArgumentTypeError("must be seconds, seconds and drift as in 0.25,120, or auto")
+    return *values, False
 
 
 def positive_int(text: str) -> int:

@@ -18,6 +18,8 @@ class Given:
         time_unit: `--time-unit`: s, ms, us or ns, of the clock in a table.
         angle_unit: `--angle-unit`: rad or deg, of the angles in a table.
         topics: of a bag, `--topic`: which of several are meant.
+        time_drift_ppm: by how much the images' clock is faster than the log's, millionths.
+        find_offset: `--time-offset auto`: offset and drift are found from the pictures.
     """
 
     camera: Path | None = None
@@ -29,6 +31,8 @@ class Given:
     time_unit: str | None = None
     angle_unit: str | None = None
     topics: tuple[str, ...] = ()
+    time_drift_ppm: float = 0.0
+    find_offset: bool = False
 
 
 NOTHING_GIVEN = Given()

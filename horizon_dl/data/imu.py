@@ -44,11 +44,16 @@ def estimate_up(times_s: Floats, rates: Floats, accelerations: Floats) -> Floats
     Returns:
         (N, 3) unit vectors.
     """
+    ups, _ = _filter(times_s, rates, accelerations, gyro_bias(times_s, rates, accelerations))
+    return np.array(ups)
+
+
+def gyro_bias(times_s: Floats, rates: Floats, accelerations: Floats) -> Vector:
+    """The gyroscope's bias, rad/s, from a still start, else from all samples; as of `estimate_up`."""
     bias = still_bias(times_s, rates, accelerations)
     if bias is None:
         _, bias = _filter(times_s, rates, accelerations, (0.0, 0.0, 0.0))
-    ups, _ = _filter(times_s, rates, accelerations, bias)
-    return np.array(ups)
+    return bias
 
 
 def still_bias(times_s: Floats, rates: Floats, accelerations: Floats) -> Vector | None:

@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
-from horizon_dl.data.attitude_log import AttitudeLog, read_attitude
+from horizon_dl.data.attitude_log import AttitudeLog
+from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.capture.camera import CameraSource, is_live
+from horizon_dl.data.clock.align import on_found_clock
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import FrameSource, Recording
@@ -30,7 +32,8 @@ def open_source(
         >>> for frame in source.frames(): ...                      # doctest: +SKIP
     """
     if not is_live(str(where)):
-        return open_recording(Path(where), format, given)
+        recording = open_recording(Path(where), format, given)
+        return on_found_clock(recording) if given.find_offset else recording
     if given.needs_attitude and given.attitude is None:
         problem = "has no attitude: nothing says where the horizon lies"
         raise InputError(where, problem, "give --attitude mavlink:URL, or constant:ROLL,PITCH in degrees")

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,9 @@ from horizon_dl.data.convention import Reading, parse_convention
 from horizon_dl.data.frame import Frame, FrameHeader, RangeImage, checked
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
+
+if TYPE_CHECKING:
+    from horizon_dl.data.attitude_log import AttitudeLog
 
 MountRpy = tuple[float, float, float]
 
@@ -94,6 +97,7 @@ class Recording:
         headers: of all frames, sorted by time.
         load: reads a frame's image.
         reading: how the attitudes were read; None where their numbers are not kept.
+        attitudes: the log behind the headers, on the frames' clock, where there is one.
     """
 
     name: str
@@ -105,6 +109,7 @@ class Recording:
     notes: tuple[str, ...] = ()
     live: bool = False
     reading: Reading | None = None
+    attitudes: "AttitudeLog | None" = None
 
     @property
     def length(self) -> int:

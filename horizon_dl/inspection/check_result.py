@@ -3,6 +3,7 @@
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
+from horizon_dl.data.clock.clock_fit import ClockFit
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.inspection.finding import Finding, Level
@@ -22,6 +23,7 @@ class DataCheck:
         unreadable_examples: name and reason of the first few.
         findings: the words, the verdict's reasons among them.
         verdict: one sentence; `level` is its level.
+        clock: of the pictures against the log's, where there is a log.
         overlay_views: evenly spaced frames to draw the horizon on; not part of the JSON.
     """
 
@@ -44,6 +46,7 @@ class DataCheck:
     findings: tuple[Finding, ...] = ()
     level: Level = "ok"
     verdict: str = ""
+    clock: ClockFit | None = None
     overlay_views: tuple[tuple[FrameHeader, View], ...] = field(default=(), repr=False)
 
     def to_json(self) -> dict[str, Any]:

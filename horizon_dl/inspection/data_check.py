@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 from tqdm import tqdm
 
+from horizon_dl.data.clock.find_clock import find_clock
 from horizon_dl.data.frame import FrameHeader, has_attitude
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View, make_view
@@ -116,6 +117,7 @@ def check_recording(
         labels=label_statistics(recording, band_rad),
         exposure=exposure(sample.pictures, sample.levels, sample.followers),
         motion=_motion(recording, sample, times),
+        clock=find_clock(recording),
         height_m=percentiles(np.array(heights)) if heights else None,
         truth=_truth(recording, labelled) if labelled else None,
         orientation=check_orientation(recording, progress=progress) if orientation else None,

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
+from horizon_dl.data.clock.align import describe, option
+from horizon_dl.data.clock.clock_fit import ClockFit
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.finding import Finding, Level, verdict_of
 from horizon_dl.inspection.orientation_findings import convention_finding, mount_finding
@@ -229,6 +231,8 @@ def _motion(check: DataCheck) -> Iterator[Finding]:
             "Check the signs (pitch: nose up, roll: right side down), rotate_image and mount_rpy_deg.",
             f"the images move against the attitude's {angle}",
         )
+    elif check.clock is not None and check.clock.sure:
+        yield from _clock(check.clock)
     elif fit.best_correlation >= 0.45 and fit.best_correlation - fit.correlation >= 0.25 and fit.best_lag_s:
         yield _apart(fit)
     elif fit.correlation >= 0.3:
@@ -236,6 +240,19 @@ def _motion(check: DataCheck) -> Iterator[Finding]:
     elif abs(fit.correlation) < 0.15 and fit.pairs >= 50:
         text = f"The images do not move as the attitude says (correlation {fit.correlation:.2f})."
         yield Finding("warning", text, "Check that the log belongs to these images, its clock and its units.")
+
+
+def _clock(fit: ClockFit) -> Iterator[Finding]:
+    """The offset that the pictures tell surely."""
+    if abs(fit.offset_s) < fit.frame_s / 2 and abs(fit.drift_ppm) < 200:
+        yield Finding("ok", f"The images turn as the log says, at the same time: {describe(fit)}.")
+    else:
+        yield Finding(
+            "warning",
+            f"The log is on another clock than the images: {describe(fit)}.",
+            f"Give {option(fit)} on top of the offset in use.",
+            "images and attitude do not belong to the same time",
+        )
 
 
 def _apart(fit: MotionFit) -> Finding:

@@ -22,7 +22,7 @@ from fuzz.mutations import bomb, damaged
 from fuzz.streams import film, ros_bag
 from horizon_dl.config import Config, load_config
 from horizon_dl.config_file import config_folder
-from horizon_dl.data.attitude_log import read_attitude
+from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.download.fetch import _read_sums
 from horizon_dl.data.download.unpack import unpack

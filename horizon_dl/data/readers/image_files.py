@@ -1,12 +1,18 @@
 """Plain pictures: a folder of images, or one image, with nothing known of camera or attitude."""
 
+from dataclasses import replace
 from pathlib import Path
 
-from horizon_dl.data.attitude_log import ConstantAttitude, read_attitude
+import numpy as np
+
+from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
+from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.image_folder import FrameFiles, image_loader, image_recording
+from horizon_dl.data.log_recording import headers_by_log
+from horizon_dl.data.picture_times import by_shutter, picture_times
 from horizon_dl.data.readers.parsing import IMAGE_SUFFIXES, images_in, natural, relative_name
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
@@ -22,24 +28,59 @@ def recognises(path: Path) -> bool:
 
 
 def read(path: Path, given: Given) -> Recording:
-    """The images by name.
+    """The images by name; with --camera and --attitude, of a log or constant, they have an attitude.
 
     Raises:
-        InputError: an attitude is needed, and pictures have none.
+        InputError: an attitude is needed, and pictures have none, or no times to find it in the log.
     """
-    constant = None if given.attitude is None else read_attitude(given.attitude, given)
-    if isinstance(constant, ConstantAttitude) and given.camera is not None:
-        return _with_attitude(path, constant, read_calibration(given.camera, imu_axes=given.imu_axes))
+    attitude = None if given.attitude is None else read_attitude(given.attitude, given)
+    if given.camera is not None and isinstance(attitude, ConstantAttitude):
+        return _with_attitude(path, attitude, read_calibration(given.camera, imu_axes=given.imu_axes))
+    if given.camera is not None and isinstance(attitude, AttitudeLog):
+        return _with_log(path, attitude, read_calibration(given.camera, imu_axes=given.imu_axes), given)
     if given.needs_attitude:
         raise InputError(
             path,
             "holds pictures without any attitude: nothing says where their horizon lies",
-            "add frames.csv and camera.yaml, or give --camera and --attitude constant:ROLL,PITCH",
+            "add frames.csv and camera.yaml, or give --camera, and --attitude LOG or constant:ROLL,PITCH",
         )
     paths = picture_paths(path)
     headers = [FrameHeader(name, float(index)) for index, name in enumerate(_names(path, paths))]
     load, notes = image_loader(tuple(FrameFiles(one) for one in paths))
     return Recording(path.resolve().name, NAME, None, headers, load, notes=notes)
+
+
+def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Given) -> Recording:
+    """Pictures and a log, paired by time."""
+    paths = picture_paths(path)
+    times_s = picture_times(paths)
+    if times_s is None:
+        raise InputError(
+            path,
+            "holds pictures whose names and EXIF tell no times: nothing pairs them with the log",
+            "name them by their time (microseconds since boot, seconds, ...) or add frames.csv",
+        )
+    order = np.argsort(times_s, kind="stable")
+    paths, times_s = [paths[index] for index in order], times_s[order]
+    at_shutter = None if log.shutter is None else by_shutter(times_s, log.shutter.times_s)
+    if log.shutter is not None and at_shutter is not None:
+        log, times_s = log.shutter, at_shutter
+    names = [one.name for one in paths]
+    headers, moved, notes = headers_by_log(path, names, times_s.tolist(), calibration, log, given)
+    return replace(
+        image_recording(
+            path.resolve().name,
+            NAME,
+            calibration.camera,
+            zip(headers, map(FrameFiles, paths), strict=True),
+            where=path,
+            attitude_from="--attitude",
+            rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+            mount_rpy_rad=calibration.mount_rpy_rad,
+            notes=notes,
+        ),
+        attitudes=moved,
+    )
 
 
 def _with_attitude(path: Path, attitude: ConstantAttitude, calibration: Calibration) -> Recording:

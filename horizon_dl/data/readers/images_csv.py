@@ -6,21 +6,24 @@ has none. A table of another name, or with other names of columns, is taken if i
 """
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude, read_attitude
+from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
+from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.calibration.picture_size import picture_size
 from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
+from horizon_dl.data.log_recording import headers_by_log
 from horizon_dl.data.readers.beside import files_beside
 from horizon_dl.data.readers.frames_table import frames_table, image_paths
-from horizon_dl.data.readers.parsing import MOST_HEIGHT_M, check_overlap, relative_name
+from horizon_dl.data.readers.parsing import MOST_HEIGHT_M, relative_name
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
 from horizon_dl.data.tables.columns import Column, find_columns, require
@@ -58,10 +61,10 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         given.camera or folder / "camera.yaml", size=picture_size(images), imu_axes=given.imu_axes
     )
     names = [relative_name(image, folder) for image in images]
-    headers, more_notes = _headers(table, columns, names, times.tolist(), calibration, given)
+    headers, more_notes, moved = _headers(table, columns, names, times.tolist(), calibration, given)
     truths, depths = (files_beside(folder, kind, names) for kind in ("labels", "depth"))
     files = [FrameFiles(*one) for one in zip(images, truths, depths, strict=True)]
-    return image_recording(
+    recording = image_recording(
         folder.resolve().name,
         NAME,
         calibration.camera,
@@ -73,6 +76,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         notes=(*calibration.notes, *notes, *more_notes),
         reading=reading_with(Convention(), calibration.mount_rpy_rad),
     )
+    return replace(recording, attitudes=moved)
 
 
 def _headers(
@@ -82,14 +86,17 @@ def _headers(
     times_s: list[float],
     calibration: Calibration,
     given: Given,
-) -> tuple[list[FrameHeader], tuple[str, ...]]:
-    """What is known of the frames, and notes."""
+) -> tuple[list[FrameHeader], tuple[str, ...], AttitudeLog | None]:
+    """What is known of the frames, notes, and the log on the frames' clock where there is one."""
     mount = calibration.mount_rpy_rad
     log = None if given.attitude is None else read_attitude(given.attitude, given)
     if isinstance(log, ConstantAttitude):
-        return [log.header(name, time_s, mount) for name, time_s in zip(names, times_s, strict=True)], ()
+        headers = [log.header(name, time_s, mount) for name, time_s in zip(names, times_s, strict=True)]
+        return headers, (), None
     if log is not None:
-        return _headers_by_log(log, names, times_s, mount, given)
+        where = Path(given.attitude or "")
+        headers, moved, notes = headers_by_log(where, names, times_s, calibration, log, given)
+        return headers, notes, moved
     rows = read_attitudes(table, columns, given)
     headers = [
         FrameHeader(
@@ -102,16 +109,7 @@ def _headers(
         )
         for index, (name, attitude) in enumerate(zip(names, rows.quaternions, strict=True))
     ]
-    return headers, rows.notes
-
-
-def _headers_by_log(
-    log: AttitudeLog, names: list[str], times_s: list[float], mount: tuple[float, float, float], given: Given
-) -> tuple[list[FrameHeader], tuple[str, ...]]:
-    offset_s = given.time_offset_s
-    check_overlap(Path(given.attitude or ""), np.array(times_s) - offset_s, log.times_s)
-    pairs = zip(names, times_s, strict=True)
-    return [log.header(name, time_s, mount, offset_s) for name, time_s in pairs], log.notes
+    return headers, rows.notes, None
 
 
 def _numbers(as_read: NDArray[np.float64] | None, index: int) -> tuple[float, ...] | None:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from horizon_dl.data.attitude_log import ConstantAttitude, read_attitude
+from horizon_dl.data.attitude_log import ConstantAttitude
+from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording

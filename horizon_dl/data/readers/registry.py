@@ -6,14 +6,18 @@ from typing import Protocol
 from horizon_dl.data.from_images import FROM_IMAGES, camera_alone, with_attitude_from_images
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.readers import (
+    dji_photos,
     euroc,
     film,
+    gopro,
     image_files,
     images_csv,
     kitti,
     kitti_odometry,
+    mars,
     paparazzi,
     ros_bag,
+    sensor_logger,
     tartanair,
     tum,
 )
@@ -45,7 +49,11 @@ MODULES: tuple[Reader, ...] = (
     tum,
     paparazzi,
     ros_bag,
+    mars,
+    sensor_logger,
+    gopro,
     film,
+    dji_photos,
     image_files,
 )
 DEEPEST, MOST_FOLDERS = 3, 300

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.attitude_log import read_attitude
+from horizon_dl.data.attitude_log import AttitudeLog
+from horizon_dl.data.attitude_logs.registry import read_attitude
 from horizon_dl.data.bags.camera_info import camera_of, info_topic
 from horizon_dl.data.bags.choose import check_named, first_message, image_topic, up_series
 from horizon_dl.data.bags.files import bag_files
@@ -23,6 +24,7 @@ from horizon_dl.data.bags.transforms import read_transforms
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.log_recording import headers_by_log
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 
@@ -55,12 +57,12 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     order = np.argsort(times, kind="stable")
     headers = [FrameHeader(f"{n:06d}", float(times[k])) for n, k in enumerate(order)]
     mount = None if calibration is None else calibration.mount_rpy_rad
+    moved: AttitudeLog | None = None
     if calibration is not None and given.attitude is not None:
+        names = [one.name for one in headers]
         log = read_attitude(given.attitude)
-        headers = [
-            log.header(one.name, one.time_s, calibration.mount_rpy_rad, given.time_offset_s)
-            for one in headers
-        ]
+        headers, moved, said = headers_by_log(path, names, times[order].tolist(), calibration, log, given)
+        notes = (*notes, *said)
     elif calibration is not None:
         found = _attitude(bag, frame, calibration, times, headless, given)
         if found is not None:
@@ -79,7 +81,9 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
         )
     load = BagLoader(path, images.name, tuple(places[k] for k in order), bits_of(first), turns)
     camera = None if calibration is None else calibration.camera
-    return Recording(path.stem, NAME, camera, headers, load, mount, (f"pictures of {images.name}", *notes))
+    return Recording(
+        path.stem, NAME, camera, headers, load, mount, (f"pictures of {images.name}", *notes), attitudes=moved
+    )
 
 
 def _places(bag: Bag, topic: Topic) -> tuple[list[Place], Floats, str, bool]:

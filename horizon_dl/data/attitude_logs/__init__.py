@@ -1,0 +1,1 @@
+"""Logs of an attitude, one file a kind, found by a registry."""

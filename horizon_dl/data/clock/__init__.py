@@ -1,0 +1,1 @@
+"""The clocks of pictures and log: how far they are apart, found from what both saw turn."""

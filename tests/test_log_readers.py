@@ -1,0 +1,98 @@
+"""Recordings with their attitude in or beside them: GoPro, phones, DJI's photos, pictures with a log."""
+
+import os
+from pathlib import Path
+
+import make_films
+import make_sets
+import numpy as np
+import pytest
+
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.open_source import open_source
+from horizon_dl.data.readers.mars import exposure_starts
+from horizon_dl.data.source import Recording
+from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import quaternion_from_rpy, rotation_from_quaternion
+from horizon_dl.inspection.timing_and_attitude import camera_angles_deg, known_ups
+
+LOGS, DATA = Path(os.environ.get("HORIZON_DL_LOGS", "none")), Path(os.environ.get("HORIZON_DL_DATA", "none"))
+needs_logs = pytest.mark.skipif(not LOGS.is_dir(), reason="needs HORIZON_DL_LOGS")
+
+
+def opened(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
+    recording = open_source(path, None, given)
+    assert isinstance(recording, Recording)
+    return recording
+
+
+@needs_logs
+def test_a_gopros_film_knows_its_attitude() -> None:
+    path = LOGS / "gopro_max" / "max-heromode.mp4"
+    with pytest.raises(InputError, match="its camera is not"):
+        opened(path)
+    recording = opened(path, Given(DATA / "gopro_max_path" / "camera.yaml"))
+    assert (recording.format, recording.length) == ("gopro", 315)
+    assert len(known_ups(recording.headers)) == 315
+
+
+@needs_logs
+def test_a_phones_film_is_upright() -> None:
+    recording = opened(LOGS / "phone_mars")
+    assert (recording.format, recording.length) == ("mars", 25)
+    assert recording.calibrated.fx == pytest.approx(980.48, abs=0.01)
+    roll, pitch = camera_angles_deg(known_ups(recording.headers))
+    assert np.median(roll) == pytest.approx(-1.1, abs=0.3)
+    assert np.median(pitch) == pytest.approx(-9.4, abs=0.3)
+
+
+@needs_logs
+def test_a_djis_photo_is_its_gimbals() -> None:
+    recording = opened(LOGS / "dji_xmp")
+    assert recording.format == "dji_photos"
+    # Pitch -89.90: up points backwards, to the upper edge of the picture by a tenth of a degree.
+    assert recording.headers[0].up_cam == pytest.approx([0, -np.sin(np.deg2rad(0.1)), -1], abs=1e-5)
+
+
+def test_past_the_nadir_roll_180_is_the_same_attitude_in_other_words() -> None:
+    def rotation(*degrees: float) -> np.ndarray:
+        return rotation_from_quaternion(quaternion_from_rpy(*np.deg2rad(degrees)))
+
+    assert rotation(180, -85, 225) == pytest.approx(rotation(0, -95, 45))
+
+
+def test_stamps_and_frames_are_paired_by_their_pauses() -> None:
+    starts = exposure_starts(np.array([0.0, 0.1, 0.3]), np.array([7.0, 7.05, 7.15, 7.36]))
+    assert starts == pytest.approx([7.05, 7.15, 7.36])
+
+
+@pytest.mark.parametrize("name", ["{:.6f}.png", "frame_{:.3f}.png"])
+def test_pictures_are_paired_with_a_log_by_the_times_in_their_names(tmp_path: Path, name: str) -> None:
+    for index in range(5):
+        make_sets.save_image(tmp_path / "set" / name.format(100.0 + index / 10))
+    (tmp_path / "camera.yaml").write_text(make_sets.CAMERA_YAML)
+    rows = "\n".join(f"{99 + n / 50:.2f},0.0,{n / 1000},0.0" for n in range(100))
+    (tmp_path / "log.csv").write_text(f"time_s,roll_rad,pitch_rad,yaw_rad\n{rows}\n")
+    recording = opened(tmp_path / "set", Given(tmp_path / "camera.yaml", str(tmp_path / "log.csv")))
+    _, pitch = camera_angles_deg(known_ups(recording.headers))
+    assert np.deg2rad(pitch) == pytest.approx([0.05 + 0.005 * index for index in range(5)], abs=1e-6)
+
+
+def test_pictures_that_only_count_are_not_guessed_at(tmp_path: Path) -> None:
+    for index in range(5):
+        make_sets.save_image(tmp_path / "set" / f"{index:06d}.png")
+    (tmp_path / "camera.yaml").write_text(make_sets.CAMERA_YAML)
+    rows = "\n".join(f"{n / 50:.2f},0.0,0.0,0.0" for n in range(100))
+    (tmp_path / "log.csv").write_text(f"time_s,roll_rad,pitch_rad,yaw_rad\n{rows}\n")
+    with pytest.raises(InputError, match="tell no times"):
+        opened(tmp_path / "set", Given(tmp_path / "camera.yaml", str(tmp_path / "log.csv")))
+
+
+def test_a_log_beside_a_film_is_taken(tmp_path: Path) -> None:
+    make_films.film(tmp_path / "a.mp4", range(0, 1000, 40), size=(32, 24))
+    (tmp_path / "camera.yaml").write_text(make_sets.CAMERA_YAML)
+    rows = "\n".join(f"{n / 50:.2f},0.0,0.1,0.0" for n in range(60))
+    (tmp_path / "a.csv").write_text(f"time_s,roll_rad,pitch_rad,yaw_rad\n{rows}\n")
+    recording = opened(tmp_path)
+    assert len(known_ups(recording.headers)) == recording.length == 25
+    assert "the log from 0.000 to 1.180 s" in recording.notes[0]
