@@ -1,4 +1,4 @@
-"""Is the net right about the horizon of this very picture?  picture? The label is free in flight, too."""
+"""Is the net right about the horizon of this very picture? The label is free in flight, too."""
 
 import math
 
