@@ -32,7 +32,6 @@ from sampled_net import SAMPLES, THRESHOLD, Batch, Passes, Summary, naive_torch
 from torch import Tensor, nn
 
 from horizon_dl.config import Config
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import View, make_view
 from horizon_dl.export.encode import Encode
@@ -198,8 +197,8 @@ def run(rounds: int) -> dict[str, Any]:
     """All figures, ready for JSON."""
     torch.set_num_threads(1)
     recording = open_recording(embedded_set())
-    camera = recording.camera
-    frames = [load_frame(recording, index) for index in evenly(range(len(recording.entries)), FRAMES)]
+    camera = recording.calibrated
+    frames = [recording.read(index) for index in evenly(range(recording.length), FRAMES)]
     views = [make_view(frame, camera.width * camera.height) for frame in frames]
     net, forest = fresh_net(views), HorizonForest.fit(views, seed=0, n_jobs=1)
     feed = feed_of(frames[0])

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from places import AS_SHIPPED, EVERYWHERE, HEAD, PLACES, analytic_mean, drawn_samples, place_dropout
 from torch import Tensor
 
+from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.metrics import method_metrics
@@ -33,7 +34,7 @@ class Variant:
         self._mean_p = mean_p
         self.times_s: list[float] = []
 
-    def score_maps(self, view: View) -> dict[str, NDArray[np.float32]]:
+    def score_maps(self, _: Frame, view: View) -> dict[str, NDArray[np.float32]]:
         """The entropy, with `p_above`."""
         start = time.process_time()
         with torch.inference_mode():

@@ -17,8 +17,8 @@ from typing import Any
 from tqdm import tqdm
 
 from horizon_dl.config import Config, load_config
-from horizon_dl.data.frame import Recording
 from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.source import Recording
 from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.metrics.accumulators import Tally, scored_pixels
 from horizon_dl.metrics.roc import RocResult

@@ -10,15 +10,14 @@ from places import AS_SHIPPED, place_dropout
 from safetensors.torch import load_file, save_file
 
 from horizon_dl.config import Config, ModelConfig, load_config
-from horizon_dl.data.frame import Recording
 from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.evaluation.scoring import read_frame, tally_readings
 from horizon_dl.methods.learners import Method
 from horizon_dl.metrics.accumulators import Tally
-from horizon_dl.metrics.obstacle_height import SecondTruth
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.simulation.embedded import embedded_set
@@ -76,7 +75,7 @@ def scored(name: str, methods: Mapping[str, Method]) -> dict[str, Tally]:
     store = store_of(name)
     test = split_recording(store.recording, "labelled-out").test
     readings = (read_frame(methods, frame, view) for frame, view in store.frames(test))
-    return tally_readings(readings, {}, store.config.labels.band_rad, SecondTruth(store.recording))
+    return tally_readings(readings, {}, store.config.labels.band_rad)
 
 
 def trained_net(

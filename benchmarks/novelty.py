@@ -34,7 +34,7 @@ def novelty_figures(name: str, seeds: Sequence[int], folder: Path) -> list[dict[
 def _of_seed(name: str, seed: int, folder: Path) -> dict[str, Any]:
     store = store_of(name)
     train = split_recording(store.recording, "labelled-out").train
-    held_out = sorted(set(range(len(store.recording.entries))) - set(train))
+    held_out = sorted(set(range(store.recording.length)) - set(train))
     own = list(store.views(evenly(held_out, MOST_FRAMES)))
     nets = {place: trained_net(folder, name, seed, place=place) for place in (AS_SHIPPED, EVERYWHERE)}
     torch.manual_seed(seed)
@@ -52,7 +52,7 @@ def _of_seed(name: str, seed: int, folder: Path) -> dict[str, Any]:
 
 def _views_of(name: str) -> list[View]:
     store = store_of(name)
-    return list(store.views(evenly(range(len(store.recording.entries)), MOST_FRAMES)))
+    return list(store.views(evenly(range(store.recording.length), MOST_FRAMES)))
 
 
 def _measured(net: HorizonFCN, place: str, views: list[View]) -> Iterator[dict[str, Map]]:

@@ -22,7 +22,6 @@ import torch
 
 from horizon_dl.config import load_config
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.geometry.resize import area_resize
@@ -83,7 +82,7 @@ def measure(data: Path, count: int) -> dict[str, list[Taken]]:
     config = load_config()
     learner, guard = OnlineLearner(config), StreamGuard()
     recording = open_recording(data)
-    usable = [i for i, entry in enumerate(recording.entries) if entry.up_cam is not None]
+    usable = [i for i, entry in enumerate(recording.headers) if entry.up_cam is not None]
     rng = np.random.default_rng(0)
     times: dict[str, list[Taken]] = {}
 
@@ -99,7 +98,7 @@ def measure(data: Path, count: int) -> dict[str, list[Taken]]:
         index = usable[number % len(usable)]
         if number == early:
             times.clear()
-        frame = brought_to(timed("load", load_frame, recording, index), SIZE)
+        frame = brought_to(timed("load", recording.read, index), SIZE)
         view = timed("view", make_view, frame, SIZE[0] * SIZE[1])
         timed("guard", guard.check, frame)
         timed("predict, 16 samples", learner.predict, view)
@@ -117,9 +116,10 @@ def measure(data: Path, count: int) -> dict[str, list[Taken]]:
 
 def brought_to(frame: Frame, size: tuple[int, int]) -> Frame:
     """The frame at a size of nearly its aspect."""
-    if (frame.camera.width, frame.camera.height) == size:
+    camera = frame.calibrated
+    if (camera.width, camera.height) == size:
         return frame
-    return replace(frame, image=area_resize(frame.image, size), camera=frame.camera.scaled(*size))
+    return replace(frame, image=area_resize(frame.image, size), camera=camera.scaled(*size))
 
 
 if __name__ == "__main__":

@@ -53,7 +53,7 @@ def _of_seed(name: str, seed: int, folder: Path) -> dict[str, Any]:
     methods: dict[str, Method] = {"forest": fit_forest(store, train, seed, HereWorkers())}
     for title, overrides in NETS.items():
         methods[title] = NetMethod(trained_net(folder, name, seed, overrides))
-    held_out = sorted(set(range(len(store.recording.entries))) - set(train))
+    held_out = sorted(set(range(store.recording.length)) - set(train))
     return {title: _figures(method, store, train, held_out) for title, method in methods.items()}
 
 
@@ -61,7 +61,7 @@ def _figures(method: Method, store: FrameStore, train: Sequence[int], test: Sequ
     values: dict[str, list[NDArray[np.float32]]] = {name: [] for name in (*PARTS, "obstacle")}
     rocs = {part: RocAccumulator() for part in PARTS}
     for frame, view in store.frames(test):
-        entropy = enlarged(method.score_maps(view)["entropy"], frame.image.shape[:2])
+        entropy = enlarged(method.score_maps(frame, view)["entropy"], frame.image.shape[:2])
         pixels = scored_pixels(frame)
         values["obstacle"].append(entropy[pixels.mask][pixels.obstacle])
         for part, floor in zip(PARTS, lit_and_shaded(frame, pixels), strict=True):
@@ -90,8 +90,10 @@ def lit_and_shaded(frame: Frame, pixels: ScoredPixels) -> tuple[NDArray[np.bool_
 
 
 def _percentile_threshold(method: Method, store: FrameStore, train: Sequence[int]) -> float:
-    views = store.views(evenly(train, THRESHOLD_FRAMES))
-    entropies = (method.score_maps(view)["entropy"][~np.isnan(view.elevation)] for view in views)
+    frames = store.frames(evenly(train, THRESHOLD_FRAMES))
+    entropies = (
+        method.score_maps(frame, view)["entropy"][~np.isnan(view.elevation)] for frame, view in frames
+    )
     return stream_percentile(entropies, store.config.threshold.percentile)
 
 

@@ -12,7 +12,6 @@ from toy import write_toy_set
 
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.export.export import Exported, export_run, trained_camera
@@ -97,7 +96,7 @@ def model_file() -> Path:
 @lru_cache(maxsize=1)
 def toy_frames() -> tuple[Frame, ...]:
     recording = open_recording(toy_set())
-    return tuple(load_frame(recording, index) for index in (0, 5, 11))
+    return tuple(recording.read(index) for index in (0, 5, 11))
 
 
 def fresh_run(frames, max_pixels=76_800) -> Run:

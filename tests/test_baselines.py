@@ -16,7 +16,7 @@ def view() -> View:
     image[10:48, 30:45] = (180, 70, 50)
     elevation = np.repeat(np.linspace(0.6, -0.6, HEIGHT)[:, None], WIDTH, 1).astype(np.float32)
     elevation[-4:, -4:] = np.nan
-    return View("a", 0.0, image, elevation)
+    return View(image, elevation)
 
 
 @pytest.mark.parametrize("score", [diffusion_score, geodesic_score, lambda v: position_score(v.elevation)])

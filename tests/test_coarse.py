@@ -20,7 +20,7 @@ def a_view(shape=(48, 65)) -> View:
     elevation = ((shape[0] / 2 - rows) * 0.02).astype(np.float32)
     image = np.where(elevation[..., None] > 0, (150, 190, 230), (90, 100, 60)).astype(np.uint8)
     image[5:40, 20:30] = (200, 90, 30)
-    return View("view", 0.0, image + (columns % 2).astype(np.uint8)[..., None], elevation)
+    return View(image + (columns % 2).astype(np.uint8)[..., None], elevation)
 
 
 @given(

@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from horizon_dl.data.frame import FrameEntry
+from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.inspection.check_result import DataCheck
@@ -208,7 +208,7 @@ def test_time_gap_and_doubled_times(tmp_path: Path) -> None:
 
 def test_clock_set_back_shows_in_the_names() -> None:
     times = [*np.arange(30) * 0.1, *(np.arange(30) * 0.1 + 0.55)]
-    entries = [FrameEntry(f"i/{n}.png", t, Path("x"), None) for n, t in enumerate(times)]
+    entries = [FrameHeader(f"i/{n}.png", t, Path("x"), None) for n, t in enumerate(times)]
     assert timing(sorted(entries, key=lambda entry: entry.time_s)).backwards == 1
     shuffled = np.random.default_rng(0).permutation(60)
     named_at_random = [replace(entry, name=f"i/{k}.png") for entry, k in zip(entries, shuffled, strict=True)]
@@ -218,12 +218,12 @@ def test_clock_set_back_shows_in_the_names() -> None:
 
 def test_missing_attitudes_are_counted(good_set: Path) -> None:
     recording = open_recording(good_set)
-    some = [replace(entry, up_cam=None) if n % 3 else entry for n, entry in enumerate(recording.entries)]
+    some = [replace(entry, up_cam=None) if n % 3 else entry for n, entry in enumerate(recording.headers)]
     check = check_recording(replace(recording, entries=some))
     assert check.attitudes is not None
     assert check.attitudes.missing == 40
     assert "most frames have no attitude" in check.verdict
-    none = [replace(entry, up_cam=None) for entry in recording.entries]
+    none = [replace(entry, up_cam=None) for entry in recording.headers]
     check = check_recording(replace(recording, entries=none))
     assert check.verdict == "This data cannot work because no frame has an attitude."
     assert attitudes(none) is None
@@ -367,8 +367,8 @@ def test_real_sets(data_dir: Path, name: str, level: str, words: str) -> None:
 @pytest.mark.parametrize("name", ["hallway", "arena", "corridor"])
 def test_shifted_clock_of_real_sets_is_found(data_dir: Path, name: str) -> None:
     recording = open_recording(data_dir / name)
-    ups = [entry.up_cam for entry in recording.entries]
-    late = [replace(entry, up_cam=ups[max(n - 2, 0)]) for n, entry in enumerate(recording.entries)]
+    ups = [entry.up_cam for entry in recording.headers]
+    late = [replace(entry, up_cam=ups[max(n - 2, 0)]) for n, entry in enumerate(recording.headers)]
     assert not levels(check_recording(recording, max_frames=120), "The images move as the attitude of")
     check = check_recording(replace(recording, entries=late), max_frames=120)
     assert check.motion is not None

@@ -168,7 +168,7 @@ def test_a_camera_in_its_pause_ends_at_once_when_told(monkeypatch: pytest.Monkey
 def test_a_replay_without_a_frame_that_can_be_read_ends_with_one_line(loop: bool, tmp_path: Path) -> None:
     folder = make_sets.images_csv(tmp_path / "set")
     recording = open_recording(folder)
-    for entry in recording.entries:
+    for entry in recording.headers:
         entry.image_path.write_bytes(b"no picture")
     with pytest.raises(InputError, match="no frame that can be read"):
         next(replay(recording, time.monotonic, loop=loop))

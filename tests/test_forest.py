@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import View, make_view
 from horizon_dl.errors import InputError
@@ -75,7 +74,7 @@ def test_drawn_pixels_lie_outside_the_band_on_valid_rays_and_are_not_repeated():
     image[..., 2] = np.arange(height)[:, None] * 10  # value tells the row
     elevation = np.repeat(np.linspace(0.5, -0.5, height)[:, None], width, 1).astype(np.float32)
     elevation[3] = np.nan
-    view = View("a", 0.0, image, elevation)
+    view = View(image, elevation)
     features, labels = draw_view_pixels(view, 0, band_rad=0.2, count=10_000)
     rows = np.rint(features[:, 2] * 255 / 10).astype(int)
     usable = [r for r in range(height) if r != 3 and abs(elevation[r, 0]) >= 0.2]
@@ -134,11 +133,11 @@ def test_leaves_as_onnx(forest):
 )
 def test_forest_is_as_strong_as_it_should_be(data_dir, folder, max_pixels, least, most):
     recording = open_recording(data_dir / folder)
-    split = split_frames("labelled-out", [entry.truth_path is not None for entry in recording.entries])
-    train = [make_view(load_frame(recording, i), max_pixels) for i in split.train[::2]]
+    split = split_frames("labelled-out", [entry.labelled for entry in recording.headers])
+    train = [make_view(recording.read(i), max_pixels) for i in split.train[::2]]
     forest = HorizonForest.fit(train, seed=0)
     roc = RocAccumulator()
-    for frame in (load_frame(recording, i) for i in split.test):
+    for frame in (recording.read(i) for i in split.test):
         view, pixels = make_view(frame, max_pixels), scored_pixels(frame)
         assert pixels is not None
         score = enlarged(binary_entropy(forest.p_above(view)[0]), pixels.mask.shape)[pixels.mask]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from horizon_dl.data.frame import FrameEntry, Recording
-from horizon_dl.data.images import load_frame
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError
 from horizon_dl.geometry.camera import Camera
 
@@ -18,7 +18,7 @@ COLOUR = np.random.default_rng(0).integers(0, 255, (6, 8, 3), dtype=np.uint8)
 def recording(
     image: Path, truth: Path | None = None, turns: int = 0, size: tuple[int, int] = (8, 6)
 ) -> Recording:
-    entry = FrameEntry(image.name, 2.0, image, UP, 1.1, truth)
+    entry = FrameHeader(image.name, 2.0, image, UP, 1.1, truth)
     return Recording("set", "images_csv", Camera("pinhole", *size, 9.0, 9.0, 3.5, 2.5), (entry,), turns)
 
 

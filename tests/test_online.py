@@ -15,7 +15,6 @@ from tiny_online import assert_same_run, frame_lines, tiny_config, tiny_options,
 from toy import write_toy_set
 
 from horizon_dl.cli import main
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.errors import InputError
@@ -186,7 +185,7 @@ def test_a_frame_without_horizon_is_predicted_and_not_learned_from(toy):
 def test_a_step_that_is_not_finite_leaves_everything_as_it_was(toy, monkeypatch, poison):
     recording = open_recording(toy)
     learner = OnlineLearner(tiny_config(), seed=0)
-    learner.learn(load_frame(recording, 0))
+    learner.learn(recording.read(0))
     before = {
         name: tensor.clone()
         for name, tensor in learner.snapshot().tensors.items()
@@ -202,12 +201,12 @@ def test_a_step_that_is_not_finite_leaves_everything_as_it_was(toy, monkeypatch,
         return loss
 
     monkeypatch.setattr(online_module, "horizon_loss", bad_loss)
-    assert math.isnan(learner.learn(load_frame(recording, 1)))
+    assert math.isnan(learner.learn(recording.read(1)))
     assert learner.dropped == 2
     after = learner.snapshot().tensors
     assert all(torch.equal(tensor, after[name]) for name, tensor in before.items())
     monkeypatch.setattr(online_module, "horizon_loss", real)
-    assert math.isfinite(learner.learn(load_frame(recording, 2)))
+    assert math.isfinite(learner.learn(recording.read(2)))
 
 
 def test_a_set_without_truth_has_accuracy_but_no_auc(tmp_path):

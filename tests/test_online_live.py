@@ -13,6 +13,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from horizon_dl.data.capture.live import live_stream
+from horizon_dl.data.capture.stream import Arrival, recorded_stream, video_stream
 from PIL import Image
 from pymavlink.dialects.v20 import common
 from small_run import small_export, small_run, toy_frames, toy_set
@@ -21,9 +23,6 @@ from toy import CAMERA, write_toy_set
 
 from horizon_dl.cli import fly, main
 from horizon_dl.data.calibration.calibration import read_calibration
-from horizon_dl.data.capture.live import live_stream
-from horizon_dl.data.capture.stream import Arrival, recorded_stream, video_stream
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.export.export import export_run, trained_camera

@@ -93,7 +93,7 @@ def test_packing_keeps_target_mask_and_nearly_the_image():
 def test_frames_take_a_fifth_of_their_room_or_less(data_dir, name):
     recording = open_recording(data_dir / name)
     store = FrameStore(recording, Config())
-    view = next(store.views([len(recording.entries) // 2]))
+    view = next(store.views([recording.length // 2]))
     frame = coarse_frame(view, store.config, None)
     packed = pack(frame, half_elevation(view.elevation))
     assert packed.nbytes < frame.nbytes / 5

@@ -15,7 +15,6 @@ from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError
 from horizon_dl.evidence.exposure import exposure_problem
@@ -190,9 +189,9 @@ def test_sketches():
 @pytest.mark.parametrize("name", ["arena", "corridor", "hallway", "kitti", "tum_sample", "euroc_sample"])
 def test_hardly_a_frame_of_a_real_recording_is_refused(data_dir, name):
     recording = open_recording(data_dir / name)
-    with_attitude = [i for i, entry in enumerate(recording.entries) if entry.up_cam is not None]
+    with_attitude = [i for i, entry in enumerate(recording.headers) if entry.up_cam is not None]
     for step in (1, 5):  # 5: KITTI at 2 Hz
-        found = reasons([load_frame(recording, i) for i in with_attitude[::step]])
+        found = reasons([recording.read(i) for i in with_attitude[::step]])
         assert sum(reason is not None for reason in found) <= len(found) // 100
 
 

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from horizon_dl.data.frame import Frame, RangeUnit
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError
 from horizon_dl.geometry.camera import Camera
@@ -159,7 +158,7 @@ def test_the_block_of_a_recording(tmp_path: Path) -> None:
     block = RangingBlock(recording)
     p_above = np.where(labels == 2, 0.4, 0.03).astype(np.float32)
     for index in range(2):  # the second has neither labels nor depth
-        block.add(load_frame(recording, index), p_above, threshold=0.5)
+        block.add(recording.read(index), p_above, threshold=0.5)
     metrics = block.metrics()
     assert metrics["interval_m"] == [0.7, 4.0]
     for one in (metrics, metrics["connected"], metrics["true_floor"]):
@@ -204,8 +203,8 @@ def test_ranging_with_the_truths_own_floor(
     """Ranging alone, without map errors."""
     recording = open_recording(data_dir / name)
     tally = RangingTally(*interval)
-    for index in range(5, len(recording.entries), 20):
-        frame, range_m = load_frame(recording, index), load_range(recording, index)
+    for index in range(5, recording.length, 20):
+        frame, range_m = recording.read(index), load_range(recording, index)
         assert range_m is not None
         assert frame.truth is not None
         not_floor, known = true_obstacles(frame, range_m, tally.bearings)

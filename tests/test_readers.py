@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.frame import RangeUnit
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers import kitti as kitti_reader
 from horizon_dl.data.readers.registry import FORMATS, open_recording
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
@@ -24,22 +23,22 @@ def test_images_csv(tmp_path: Path) -> None:
     make_sets.save_image(folder / "labels" / "b.png", grey=True)
     make_sets.save_image(folder / "depth" / "b.png", grey=True)
     recording = open_recording(folder)
-    assert (recording.name, recording.format, len(recording.entries)) == ("myset", "images_csv", 2)
-    first, second = recording.entries
+    assert (recording.name, recording.format, recording.length) == ("myset", "images_csv", 2)
+    first, second = recording.headers
     assert (first.name, first.time_s, first.height_m) == ("images/a.png", 0.0, 1.5)
     np.testing.assert_allclose(first.up_cam, [-math.sin(0.1), -math.cos(0.1), 0.0], atol=1e-12)
     np.testing.assert_allclose(second.up_cam, [0.0, -math.cos(0.2), math.sin(0.2)], atol=1e-12)
     assert (first.truth_path, first.range_path) == (None, None)
     assert (second.truth_path, second.range_path) == (folder / "labels" / "b.png", folder / "depth" / "b.png")
-    assert load_frame(recording, 0).image.shape == (24, 32, 3)
+    assert recording.read(0).image.shape == (24, 32, 3)
 
 
 def test_images_csv_sorts_by_time_and_needs_no_yaw_or_height(tmp_path: Path) -> None:
     rows = ["b.png,2.0,0.0,0.0", "a.png,1.0,0.0,0.0", "c.png,2.0,0.0,0.0"]
     folder = make_sets.images_csv(tmp_path, rows, "image,time_s,roll_rad,pitch_rad")
     recording = open_recording(folder)
-    assert [entry.name for entry in recording.entries] == ["a.png", "b.png", "c.png"]
-    assert all(entry.height_m is None for entry in recording.entries)
+    assert [entry.name for entry in recording.headers] == ["a.png", "b.png", "c.png"]
+    assert all(entry.height_m is None for entry in recording.headers)
 
 
 @pytest.mark.parametrize("cell", ["", "nan", "NaN", "inf"])
@@ -59,10 +58,10 @@ def test_images_csv_applies_the_mount(tmp_path: Path) -> None:
 def test_kitti_from_every_level(tmp_path: Path, below: str) -> None:
     recording = open_recording(make_sets.kitti(tmp_path) / below)
     assert (recording.name, recording.format) == ("2011_09_26_drive_0001_sync", "kitti")
-    assert [entry.time_s for entry in recording.entries] == pytest.approx([0.0, 0.1], abs=1e-6)
-    assert recording.entries[0].name.endswith("image_02/data/0000000000.png")
-    np.testing.assert_allclose(recording.entries[0].up_cam, LEVEL, atol=1e-12)
-    assert recording.entries[0].height_m == 1.65
+    assert [entry.time_s for entry in recording.headers] == pytest.approx([0.0, 0.1], abs=1e-6)
+    assert recording.headers[0].name.endswith("image_02/data/0000000000.png")
+    np.testing.assert_allclose(recording.headers[0].up_cam, LEVEL, atol=1e-12)
+    assert recording.headers[0].height_m == 1.65
     assert recording.camera.fx == 30.0
 
 
@@ -79,9 +78,9 @@ def test_ranges_come_with_their_unit(tmp_path: Path) -> None:
 
 def test_kitti_floor_stays_under_the_car_however_it_tilts(tmp_path: Path) -> None:
     recording = open_recording(make_sets.kitti(tmp_path, "49 8 110 0.1 -0.2 0.7"))
-    np.testing.assert_allclose(recording.entries[0].floor_up_cam, LEVEL, atol=1e-12)
-    assert np.abs(recording.entries[0].up_cam - LEVEL).max() > 0.1
-    np.testing.assert_array_equal(load_frame(recording, 0).floor_up_cam, recording.entries[0].floor_up_cam)
+    np.testing.assert_allclose(recording.headers[0].floor_up_cam, LEVEL, atol=1e-12)
+    assert np.abs(recording.headers[0].up_cam - LEVEL).max() > 0.1
+    np.testing.assert_array_equal(recording.read(0).floor_up_cam, recording.headers[0].floor_up_cam)
 
 
 def test_kitti_angles_against_forward_left_up(tmp_path: Path) -> None:
@@ -108,13 +107,13 @@ def test_paparazzi_interpolates_at_the_images_time(tmp_path: Path, below: str) -
     make_sets.paparazzi(tmp_path, start_s=9.9955)
     make_sets.save_image(tmp_path / "labels" / "10050000.png", grey=True)
     recording = open_recording(tmp_path / below)
-    assert (recording.name, recording.format, len(recording.entries)) == ("flight", "paparazzi", 4)
-    for entry in recording.entries:
+    assert (recording.name, recording.format, recording.length) == ("flight", "paparazzi", 4)
+    for entry in recording.headers:
         pitch = entry.time_s - 9.9955
         np.testing.assert_allclose(entry.up_cam, [0, -math.cos(pitch), math.sin(pitch)], atol=1e-6)
         assert entry.height_m == pytest.approx(1.0)
-    assert [e.truth_path is not None for e in recording.entries] == [False, True, False, False]
-    assert recording.entries[1].name == "flight/10050000.jpg"
+    assert [e.truth_path is not None for e in recording.headers] == [False, True, False, False]
+    assert recording.headers[1].name == "flight/10050000.jpg"
 
 
 def test_paparazzi_leaves_out_frames_on_the_ground(tmp_path: Path) -> None:
@@ -124,7 +123,7 @@ def test_paparazzi_leaves_out_frames_on_the_ground(tmp_path: Path) -> None:
     lines[1:8] = [line.replace(",5000", ",0") for line in lines[1:8]]
     log.write_text("\n".join(lines))
     recording = open_recording(tmp_path)
-    assert len(recording.entries) == 2
+    assert recording.length == 2
     assert recording.notes == ("2 of 4 images left out: on the ground",)
 
 
@@ -132,19 +131,19 @@ def test_tum(tmp_path: Path) -> None:
     recording = open_recording(make_sets.tum(tmp_path))
     assert recording.format == "tum"
     assert (recording.camera.fx, recording.camera.cy) == (535.4, 247.6)
-    np.testing.assert_allclose(recording.entries[0].up_cam, LEVEL, atol=1e-6)
-    assert recording.entries[0].height_m == pytest.approx(1.2)
+    np.testing.assert_allclose(recording.headers[0].up_cam, LEVEL, atol=1e-6)
+    assert recording.headers[0].height_m == pytest.approx(1.2)
 
 
 @pytest.mark.parametrize("truth", [False, True])
 @pytest.mark.parametrize("below", ["", "mav0"])
 def test_euroc(tmp_path: Path, truth: bool, below: str) -> None:
     recording = open_recording(make_sets.euroc(tmp_path, truth) / below)
-    assert (recording.format, len(recording.entries)) == ("euroc", 3)
-    for entry in recording.entries:
+    assert (recording.format, recording.length) == ("euroc", 3)
+    for entry in recording.headers:
         np.testing.assert_allclose(entry.up_cam, LEVEL, atol=1e-6)
     assert bool(recording.notes) is not truth
-    assert load_frame(recording, 0).image.shape == (24, 32, 3)
+    assert recording.read(0).image.shape == (24, 32, 3)
 
 
 def test_format_can_be_named(tmp_path: Path) -> None:
@@ -180,10 +179,10 @@ REAL = {  # folder: format, frames, without attitude, truths, ranges, height ran
 def test_real_set(data_dir: Path, name: str) -> None:
     format_, frames, blind, truths, ranges, heights, rows = REAL[name]
     recording = open_recording(data_dir / name)
-    entries = recording.entries
+    entries = recording.headers
     ups = [entry.up_cam for entry in entries if entry.up_cam is not None]
     assert (recording.format, len(entries), len(entries) - len(ups)) == (format_, frames, blind)
-    assert sum(entry.truth_path is not None for entry in entries) == truths
+    assert sum(entry.labelled for entry in entries) == truths
     assert sum(entry.range_path is not None for entry in entries) == ranges
     assert [e.time_s for e in entries] == sorted(e.time_s for e in entries)
     np.testing.assert_allclose(np.linalg.norm(ups, axis=-1), 1.0, atol=1e-9)
@@ -200,10 +199,10 @@ def test_real_set(data_dir: Path, name: str) -> None:
 @pytest.mark.parametrize("name", list(REAL))
 def test_real_frame_is_read(data_dir: Path, name: str) -> None:
     recording = open_recording(data_dir / name)
-    index = next((i for i, entry in enumerate(recording.entries) if entry.truth_path), 1)
-    frame = load_frame(recording, index)
+    index = next((i for i, entry in enumerate(recording.headers) if entry.truth_path), 1)
+    frame = recording.read(index)
     assert frame.image.shape == (recording.camera.height, recording.camera.width, 3)
-    if recording.entries[index].truth_path:
+    if recording.headers[index].truth_path:
         assert frame.truth is not None
         assert frame.truth.shape == frame.image.shape[:2]
 

@@ -12,9 +12,7 @@ def scene(seed: int = 0) -> tuple[View, np.ndarray]:
     random = np.random.default_rng(seed)
     rise = (HEIGHT / 2 - 0.5 - np.mgrid[0:HEIGHT, 0:WIDTH][0]) / HEIGHT
     image = random.integers(0, 255, (HEIGHT, WIDTH, 3), np.uint8)
-    return View("a", 0.0, image, np.arctan(rise).astype(np.float32)), random.random(
-        (HEIGHT, WIDTH), np.float32
-    )
+    return View(image, np.arctan(rise).astype(np.float32)), random.random((HEIGHT, WIDTH), np.float32)
 
 
 def test_fused_is_the_sum_of_three_log_odds():
@@ -35,13 +33,13 @@ def test_what_is_far_from_the_sure_floor_is_likelier_an_obstacle():
     image = np.full((HEIGHT, WIDTH, 3), 150, np.uint8)
     image[26:36, 20:32] = 20
     p_above = np.where(view.elevation > 0, 0.9, 0.1).astype(np.float32)
-    fused = fused_score(View("a", 0.0, image, view.elevation), p_above)
+    fused = fused_score(View(image, view.elevation), p_above)
     assert fused[28:34, 23:29].mean() > 1.5 * fused[28:34, 5:15].mean()
 
 
 @pytest.mark.parametrize("elevation", [np.nan, 0.0, -0.4, 0.4])
 def test_one_side_only_or_none_has_a_score(elevation):
     view, p_above = scene()
-    fused = fused_score(View("a", 0.0, view.image, np.full_like(view.elevation, elevation)), p_above)
+    fused = fused_score(View(view.image, np.full_like(view.elevation, elevation)), p_above)
     assert np.isfinite(fused).all()
     assert ((fused >= 0) & (fused <= 1)).all()

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from horizon_dl.data.frame import Frame, FrameEntry, Recording
-from horizon_dl.data.images import load_frame
+from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.data.source import Recording
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.metrics.accumulators import scored_pixels
 from horizon_dl.metrics.obstacle_height import CROSSING, LOW, UNKNOWN, SecondTruth, obstacle_kinds
@@ -85,7 +85,7 @@ def recording_with_range(tmp_path: Path) -> tuple[Recording, Frame]:
     Image.fromarray((np.nan_to_num(range_m) * 1000).astype(np.uint16)).save(path)
     camera = Camera("pinhole", WIDTH, HEIGHT, 50.0, 50.0, (WIDTH - 1) / 2, (HEIGHT - 1) / 2)
     up_cam = np.array([0.0, -1.0, 0.0])
-    entry = FrameEntry("a", 0.0, tmp_path / "a.png", up_cam, range_path=path)
+    entry = FrameHeader("a", 0.0, tmp_path / "a.png", up_cam, range_path=path)
     frame = Frame("a", 0.0, np.zeros((HEIGHT, WIDTH, 3), np.uint8), camera, up_cam, None, truth)
     return Recording("set", "images_csv", camera, [entry]), frame
 
@@ -119,7 +119,7 @@ def test_without_range_or_truth_there_are_no_parts(tmp_path, lacking):
 @pytest.mark.real_data
 def test_cars_lower_than_the_camera_are_low_on_kitti(data_dir):
     recording = open_recording(data_dir / "kitti")
-    frame = load_frame(recording, 25)
+    frame = recording.read(25)
     below = scored_pixels(frame)
     parts = SecondTruth(recording).parts(frame, below)
     shares = {name: part.obstacle.sum() / below.obstacle.sum() for name, part in parts.items()}

@@ -9,7 +9,6 @@ import pytest
 from PIL import Image
 
 from horizon_dl.data.frame import Truth
-from horizon_dl.data.images import load_frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.simulation import rendering
@@ -57,9 +56,9 @@ def test_embedded_set_is_small_and_complete() -> None:
     files = [path for path in embedded_set().rglob("*") if path.is_file()]
     assert sum(path.stat().st_size for path in files) <= 4_000_000
     recording = open_recording(embedded_set())
-    assert len(recording.entries) == FRAMES
-    assert all(entry.truth_path is not None for entry in recording.entries)
-    with_depth = [index for index, entry in enumerate(recording.entries) if entry.range_path is not None]
+    assert recording.length == FRAMES
+    assert all(entry.labelled for entry in recording.headers)
+    with_depth = [index for index, entry in enumerate(recording.headers) if entry.range_path is not None]
     assert with_depth == list(range(5, FRAMES, DEPTH_EVERY))
 
 
@@ -67,7 +66,7 @@ def test_embedded_floor_lies_at_the_stated_height_below_the_camera() -> None:
     """Depth, labels, camera file, mount, attitude and the project's own geometry, all against each other."""
     recording = open_recording(embedded_set())
     for index in range(5, FRAMES, 40):
-        frame = load_frame(recording, index)
+        frame = recording.read(index)
         labels, depth = label_and_depth(frame.name)
         points = pixel_rays(320, 240, frame.camera.fx) * depth[..., None] / 1000.0
         height = points @ frame.up_cam
@@ -81,7 +80,7 @@ def test_embedded_set_is_neither_trivial_nor_one_sided() -> None:
     recording = open_recording(embedded_set())
     scores, truths, tilts = [], [], []
     for index in range(5, FRAMES, 10):
-        frame = load_frame(recording, index)
+        frame = recording.read(index)
         rays = pixel_rays(320, 240, frame.camera.fx)
         sine = (rays @ frame.up_cam) / np.linalg.norm(rays, axis=-1)
         judged = (sine < 0) & (frame.truth > 0)

@@ -72,7 +72,7 @@ def test_confusion_against_counting_by_hand():
 
 def test_sides_ignore_the_band_and_pixels_without_ray():
     elevation = np.array([[0.5, 0.001, -0.5, np.nan]], np.float32)
-    view = View("a", 0.0, np.zeros((1, 4, 3), np.uint8), elevation)
+    view = View(np.zeros((1, 4, 3), np.uint8), elevation)
     tally = Tally()
     tally.add_sides(view, np.array([[0.9, 0.1, 0.9, 0.9]], np.float32), band_rad=0.01)
     assert (tally.right_sides, tally.sides) == (1, 2)
@@ -136,7 +136,7 @@ def test_pixels_of_one_class_only_give_no_figures():
 
 def test_calibration_error_of_the_metrics_is_outside_the_band():
     elevation = np.array([[0.5, 0.5, 0.001, -0.5, np.nan]], np.float32)
-    view = View("a", 0.0, np.zeros((1, 5, 3), np.uint8), elevation)
+    view = View(np.zeros((1, 5, 3), np.uint8), elevation)
     tally = Tally()
     tally.add_sides(view, np.array([[0.9, 0.7, 0.0, 0.2, 0.5]], np.float32), band_rad=0.01)
     block = method_metrics([tally], "none")

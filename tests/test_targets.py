@@ -57,7 +57,7 @@ def kind(request) -> str:
 
 @pytest.mark.parametrize("roll_rad", [0.0, 0.3, -1.2, 3.0])
 def test_targets_are_probabilities_and_know_the_side_of_far_pixels(kind, roll_rad):
-    view = View("a", 0.0, noise_image(), level_elevation(roll_rad=roll_rad))
+    view = View(noise_image(), level_elevation(roll_rad=roll_rad))
     target = make_target(kind, view)
     assert target.shape == (HEIGHT, WIDTH)
     assert target.dtype == np.float32
@@ -68,7 +68,7 @@ def test_targets_are_probabilities_and_know_the_side_of_far_pixels(kind, roll_ra
 
 @pytest.mark.parametrize(("offset", "side"), [(2.0, 1.0), (-2.0, 0.0)])
 def test_without_a_horizon_in_the_image_all_is_hard(kind, offset, side):
-    view = View("a", 0.0, noise_image(), level_elevation() * 0.5 + np.float32(offset / 2))
+    view = View(noise_image(), level_elevation() * 0.5 + np.float32(offset / 2))
     np.testing.assert_allclose(make_target(kind, view), side, atol=1e-4)
 
 
@@ -77,19 +77,17 @@ def test_nan_where_the_ray_is_not_valid_and_nowhere_else(kind):
     v, u = np.mgrid[0:HEIGHT, 0:WIDTH]
     invalid = np.hypot(v - HEIGHT / 2, u - WIDTH / 2) > 22
     elevation[invalid] = np.nan
-    np.testing.assert_array_equal(
-        np.isnan(make_target(kind, View("a", 0.0, noise_image(), elevation))), invalid
-    )
+    np.testing.assert_array_equal(np.isnan(make_target(kind, View(noise_image(), elevation))), invalid)
 
 
 def test_nothing_valid_gives_nothing(kind):
-    view = View("a", 0.0, noise_image(), np.full((HEIGHT, WIDTH), np.nan, np.float32))
+    view = View(noise_image(), np.full((HEIGHT, WIDTH), np.nan, np.float32))
     assert np.isnan(make_target(kind, view)).all()
 
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 9), (9, 1), (3, 200), (200, 3), (241, 33)])
 def test_any_size_works(kind, size):
-    view = View("a", 0.0, noise_image(0, *size), level_elevation(*size))
+    view = View(noise_image(0, *size), level_elevation(*size))
     assert np.isfinite(make_target(kind, view)).all()
 
 
@@ -97,12 +95,12 @@ def test_targets_change_nothing_and_repeat_themselves(kind):
     image, elevation = noise_image(), level_elevation(roll_rad=0.2)
     image.setflags(write=False)
     elevation.setflags(write=False)
-    view = View("a", 0.0, image, elevation)
+    view = View(image, elevation)
     np.testing.assert_array_equal(make_target(kind, view), make_target(kind, view))
 
 
 def test_unknown_kind_says_which_there_are():
-    view = View("a", 0.0, noise_image(), level_elevation())
+    view = View(noise_image(), level_elevation())
     with pytest.raises(InputError, match="use one of hard, guided, one_way_geodesic, geodesic"):
         make_target("soft", view)
 
@@ -119,7 +117,7 @@ def test_hard_target_leaves_out_the_band():
 @pytest.mark.parametrize("kind", ["guided", "geodesic"])
 def test_a_wall_through_the_horizon_is_mixed_and_its_floor_is_not(kind):
     image = room()
-    view = View("a", 0.0, image, level_elevation(120, 160))
+    view = View(image, level_elevation(120, 160))
     target = make_target(kind, view)
     wall_foot, floor = target[75:90, 60:75], target[75:115, 5:40]
     assert np.median(wall_foot) > 0.2
@@ -157,7 +155,7 @@ def test_guided_target_is_the_guided_filter_of_the_hard_label():
 
 
 def test_guided_target_on_fewer_rows_is_nearly_the_same():
-    view = View("a", 0.0, noise_image(3, 120, 160), level_elevation(120, 160))
+    view = View(noise_image(3, 120, 160), level_elevation(120, 160))
     difference = guided_target(view.image, view.elevation, statistics_rows=60) - guided_target(
         view.image, view.elevation
     )
@@ -335,7 +333,7 @@ def test_learned_edges_are_dear():
 
 @pytest.mark.parametrize("learning", ["one_way_geodesic", "geodesic"])
 def test_what_the_net_says_reaches_the_target(learning):
-    view = View("a", 0.0, noise_image(), level_elevation())
+    view = View(noise_image(), level_elevation())
     p_above = np.random.default_rng(2).random((HEIGHT, WIDTH), np.float32)
     target = make_target(learning, view, p_above)
     np.testing.assert_array_equal(target, TARGETS[learning](view.image, view.elevation, p_above))
@@ -372,7 +370,5 @@ def test_geodesic_target_never_crosses_a_half(roll_rad, seed, learned):
 
 def test_targets_turn_with_the_image(kind):
     image, elevation = noise_image(), level_elevation()
-    mirrored = make_target(kind, View("a", 0.0, image[:, ::-1], elevation[:, ::-1]))
-    np.testing.assert_allclose(
-        mirrored[:, ::-1], make_target(kind, View("a", 0.0, image, elevation)), atol=1e-4
-    )
+    mirrored = make_target(kind, View(image[:, ::-1], elevation[:, ::-1]))
+    np.testing.assert_allclose(mirrored[:, ::-1], make_target(kind, View(image, elevation)), atol=1e-4)

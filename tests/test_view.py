@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.view import make_view, working_size
+from horizon_dl.data.view import make_view
 from horizon_dl.errors import FrameError
-from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.camera import Camera, working_size
 
 CAMERA = Camera("pinhole", 64, 48, 50.0, 50.0, 31.5, 23.5)
 UP = np.array([0.0, -1.0, 0.0])

@@ -25,16 +25,12 @@ def run(arguments: argparse.Namespace) -> None:
     """Look at the images and print the correction."""
     recording = open_data(arguments)
 
-    from horizon_dl.data.calibration.calibration import read_calibration
-    from horizon_dl.data.calibration.camera_file import camera_file
     from horizon_dl.inspection.mount_check import check_mount, mount_lines
     from horizon_dl.output import output_folder, write_json
 
-    path = camera_file(arguments.data)
-    stated = (0.0, 0.0, 0.0) if path is None else read_calibration(path).mount_rpy_rad
-    check = check_mount(recording, stated, progress=True)
+    check = check_mount(recording, recording.mount_rpy_rad or (0.0, 0.0, 0.0), progress=True)
     print("\n".join(mount_lines(check)))
-    if path is None and check.is_off:
+    if recording.mount_rpy_rad is None and check.is_off:
         print("This format has no camera.yaml: the angles are about the camera's own axes.")
     if arguments.out:
         with output_folder(arguments.out) as folder:

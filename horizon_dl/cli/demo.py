@@ -14,7 +14,7 @@ from horizon_dl.cli.options import add_config, add_out, resolve_config
 
 if TYPE_CHECKING:
     from horizon_dl.config import Config
-    from horizon_dl.data.frame import Recording
+    from horizon_dl.data.source import Recording
     from horizon_dl.evaluation.compare import Comparison
     from horizon_dl.training.run_folder import Run
 
@@ -66,8 +66,8 @@ def learned_run(result: "Comparison", recording: "Recording", config: "Config") 
 
 def with_truth_of_every(step: int, recording: "Recording") -> "Recording":
     """The recording with every `step`-th truth alone, so that fewer frames are scored: it is a demo."""
-    entries = [
-        entry if index % step == 0 else replace(entry, truth_path=None)
-        for index, entry in enumerate(recording.entries)
+    headers = [
+        header if index % step == 0 else replace(header, labelled=False)
+        for index, header in enumerate(recording.headers)
     ]
-    return replace(recording, entries=entries)
+    return replace(recording, headers=headers)

@@ -33,7 +33,7 @@ def run(arguments: argparse.Namespace) -> None:
     load = load_file_run if is_model_file(arguments.run_folder) else load_run
     trained = load(arguments.run_folder)
     recording = open_data(arguments)
-    labelled = sum(entry.truth_path is not None for entry in recording.entries)
+    labelled = sum(entry.labelled for entry in recording.headers)
     with output_folder(arguments.out) as folder, open_workers(arguments.scheduler) as workers:
         panels = PanelWriter(folder, labelled)
         result = evaluate(trained, recording, on_frame=panels, progress=True, workers=workers)

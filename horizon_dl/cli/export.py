@@ -20,7 +20,7 @@ from horizon_dl.cli.options import add_out
 
 if TYPE_CHECKING:
     from horizon_dl.config import Config
-    from horizon_dl.data.frame import Recording
+    from horizon_dl.data.source import Recording
     from horizon_dl.export.export import Exported
     from horizon_dl.geometry.camera import Camera
 
@@ -63,15 +63,15 @@ def run(arguments: argparse.Namespace) -> None:
     trained = load_run(arguments.run_folder)
     data = open_recording(arguments.data, arguments.format) if arguments.data else None
     if arguments.camera:
-        camera = open_recording(arguments.camera, arguments.format).camera
+        camera = open_recording(arguments.camera, arguments.format).calibrated
     else:
         camera = trained_camera(trained, arguments.run_folder)
-    if data and not same_camera(data.camera, camera):
+    if data and not same_camera(data.calibrated, camera):
         raise InputError(
             arguments.data, "has another camera than the file would", "add --camera with that set"
         )
     forest_data = open_recording(arguments.forest, arguments.format) if arguments.forest else None
-    if data and forest_data and not same_camera(data.camera, forest_data.camera):
+    if data and forest_data and not same_camera(data.calibrated, forest_data.calibrated):
         raise InputError(arguments.forest, "has another camera than --data", "leave --data away")
     with output_folder(arguments.out) as folder:
         exported = export_run(trained, camera, parity_frames(data) if data else ())
@@ -90,7 +90,7 @@ def run(arguments: argparse.Namespace) -> None:
 def _measured(exported: "Exported", data: "Recording | None") -> "Exported":
     from horizon_dl.export.measure import measured
 
-    if data is None or not any(entry.truth_path for entry in data.entries):
+    if data is None or not any(entry.labelled for entry in data.headers):
         return exported
     figures = measured(exported.content(), data)
     return exported.with_card(measured=figures, false_positive_rate=figures["fpr"])

@@ -14,15 +14,18 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import add_autopilot, check_autopilot, positive_int
+from horizon_dl.cli.options import add_autopilot, add_given, check_autopilot, given, positive_int
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from horizon_dl.data.calibration.calibration import Calibration
-    from horizon_dl.data.capture.camera import Picture
-    from horizon_dl.data.frame import Recording
+    from horizon_dl.data.frame import Frame
+    from horizon_dl.data.source import FrameSource
+    from horizon_dl.errors import FrameError
     from horizon_dl.runtime.flight_loop import FlySettings
+
+
+AUTOPILOT, RECORDED = "autopilot", "recorded"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -32,23 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--source",
         required=True,
         metavar="S",
-        help="camera:0, a video file, a stream's address, or a data set",
+        help="folder, film, log, camera:N or a stream's address",
     )
-    parser.add_argument("--format", metavar="NAME", help="format of a data set (recognised if left out)")
     parser.add_argument(
         "--mavlink",
         required=True,
         metavar="URL",
         help="udpout:HOST:PORT, udpin:HOST:PORT or serial:DEVICE:BAUD",
     )
-    parser.add_argument(
-        "--attitude",
-        choices=("autopilot", "recorded"),
-        help="(default: recorded for a data set, else autopilot)",
-    )
-    parser.add_argument(
-        "--camera", type=Path, metavar="FILE", help="camera.yaml: mount, and how to turn images"
-    )
+    add_given(parser)
     parser.add_argument(
         "--height",
         type=float,
@@ -93,14 +88,11 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.runtime.predict import check_camera
     from horizon_dl.vehicle.mavlink import open_link
 
-    recording = _recording(arguments)
-    calibration = _calibration(arguments, recording)
-    settings = _settings(arguments, calibration, recording)
+    source = _source(arguments)
+    settings = _settings(arguments, source)
     model = FollowedModel.load(arguments.model, arguments.threads)
-    if recording is not None:
-        check_camera(model.current, recording.camera, recording.name)
-    elif calibration is not None:
-        check_camera(model.current, calibration.camera, arguments.camera)
+    if source.camera is not None:
+        check_camera(model.current, source.camera, arguments.camera or source.name)
     frames = arguments.filter or (1 if settings.recorded_attitude else 3)
     sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
     sighting.connected_only = arguments.connected_only
@@ -109,7 +101,7 @@ def run(arguments: argparse.Namespace) -> None:
     # A service is stopped by SIGTERM: the autopilot has to be told then, too.
     before = signal.signal(signal.SIGTERM, lambda *_: flight.stop())
     try:
-        flight.run(_pictures(arguments, recording, calibration), arguments.duration)
+        flight.run(_frames(arguments, source), arguments.duration, source.stop)
     except KeyboardInterrupt:
         pass  # the ordinary end of a flight
     finally:
@@ -121,37 +113,27 @@ def run(arguments: argparse.Namespace) -> None:
     _say(figures)
 
 
-def _recording(arguments: argparse.Namespace) -> "Recording | None":
-    from horizon_dl.data.capture.camera import is_live
-    from horizon_dl.data.readers.registry import open_recording
-    from horizon_dl.errors import InputError
+def _source(arguments: argparse.Namespace) -> "FrameSource":
+    from dataclasses import replace
 
-    source = Path(arguments.source)
-    if source.is_dir():
-        return open_recording(source, arguments.format)
-    if not (is_live(arguments.source) or source.exists()):
-        raise InputError(
-            f"--source {source}",
-            "does not exist",
-            "give camera:0, a stream's address, a video file or a data set",
-        )
-    return None
+    from horizon_dl.data.open_source import open_source
+
+    wanted = given(arguments, needs_attitude=False)
+    if arguments.attitude in (AUTOPILOT, RECORDED):
+        wanted = replace(wanted, attitude=None)
+    return open_source(arguments.source, arguments.format, wanted, delay_s=arguments.camera_delay)
 
 
-def _calibration(arguments: argparse.Namespace, recording: "Recording | None") -> "Calibration | None":
-    """Of --camera, or of the data set where it has one."""
-    from horizon_dl.data.calibration.calibration import read_calibration
-    from horizon_dl.data.calibration.camera_file import camera_file
+def _has_attitude(source: "FrameSource", arguments: argparse.Namespace) -> bool:
+    """Whether the frames bring their attitude."""
+    from horizon_dl.data.source import Recording
 
-    path = arguments.camera
-    if path is None and recording is not None:
-        path = camera_file(Path(arguments.source))
-    return None if path is None else read_calibration(path)
+    if isinstance(source, Recording):
+        return any(header.up_cam is not None for header in source.headers)
+    return arguments.attitude not in (None, AUTOPILOT, RECORDED)
 
 
-def _settings(
-    arguments: argparse.Namespace, calibration: "Calibration | None", recording: "Recording | None"
-) -> "FlySettings":
+def _settings(arguments: argparse.Namespace, source: "FrameSource") -> "FlySettings":
     from horizon_dl.errors import InputError
     from horizon_dl.geometry.polar import LEVEL_UP, level_axes
     from horizon_dl.runtime.flight_loop import FlySettings
@@ -159,12 +141,12 @@ def _settings(
     from horizon_dl.vehicle.obstacle_distance import MessageShape
 
     check_autopilot(arguments)
-    attitude = arguments.attitude or ("autopilot" if recording is None else "recorded")
-    if attitude == "recorded" and recording is None:
-        raise InputError(
-            "--attitude recorded", "needs a data set", "take the autopilot's, or name a data set"
-        )
-    if calibration is None and attitude == "autopilot":
+    known = _has_attitude(source, arguments)
+    if arguments.attitude == RECORDED and not known:
+        problem = "needs a recording with its attitude"
+        raise InputError("--attitude recorded", problem, "take the autopilot's, or name a recording")
+    recorded = known and arguments.attitude != AUTOPILOT
+    if source.mount_rpy_rad is None and not recorded:
         raise InputError(
             "--camera", "is missing", "name the camera.yaml that tells how the camera is mounted"
         )
@@ -190,7 +172,7 @@ def _settings(
         ) from None
     if arguments.height is not None and not 0 < arguments.height < 1000:
         raise InputError(f"--height {arguments.height:g}", "is no height in metres", "take 0 to 1000")
-    mount = (0.0, 0.0, 0.0) if calibration is None else calibration.mount_rpy_rad
+    mount = source.mount_rpy_rad or (0.0, 0.0, 0.0)
     try:
         level_axes(LEVEL_UP, forward_in_camera(mount))
     except ValueError:
@@ -203,24 +185,20 @@ def _settings(
         rate_hz=arguments.rate,
         shape=shape,
         mount_rpy_rad=mount,
-        recorded_attitude=attitude == "recorded",
+        recorded_attitude=recorded,
         height_m=arguments.height,
     )
 
 
-def _pictures(
-    arguments: argparse.Namespace, recording: "Recording | None", calibration: "Calibration | None"
-) -> "Iterator[Picture]":
+def _frames(arguments: argparse.Namespace, source: "FrameSource") -> "Iterator[Frame | FrameError]":
     import time
 
-    from horizon_dl.data.capture.camera import capture, replay
+    from horizon_dl.data.capture.replay import replay
+    from horizon_dl.data.source import Recording
 
-    if recording is not None:
-        return replay(recording, time.monotonic, speed=arguments.speed, loop=arguments.loop)
-    turns = 0 if calibration is None else calibration.rotate_quarter_turns_ccw
-    return capture(
-        arguments.source, time.monotonic, rotate_quarter_turns_ccw=turns, delay_s=arguments.camera_delay
-    )
+    if isinstance(source, Recording):
+        return replay(source, time.monotonic, speed=arguments.speed, loop=arguments.loop)
+    return source.frames()
 
 
 def _say(figures: dict[str, dict[str, Any]]) -> None:

@@ -12,31 +12,30 @@ metrics.json. Stopped or killed, the same command goes on where the last checkpo
 """
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.options import (
     add_autopilot,
     add_config,
-    add_format,
+    add_data,
     add_out,
     check_autopilot,
+    given,
     positive_int,
     resolve_config,
 )
 
 if TYPE_CHECKING:
-    from horizon_dl.data.capture.stream import Stream
-    from horizon_dl.data.frame import Recording
+    from horizon_dl.data.source import FrameSource
     from horizon_dl.online.run import OnlineRun
+
+
+MAVLINK = "mavlink:"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
-    parser.add_argument(
-        "data", metavar="DATA", help="folder of the image set, video file, camera:0, or a stream's address"
-    )
-    add_format(parser)
+    add_data(parser)
     add_config(parser)
     add_out(parser)
     parser.add_argument("--restart", action="store_true", help="do not go on from the checkpoint in RUN")
@@ -55,11 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="predict frames as they come, learn from the newest when there is time",
     )
     parser.add_argument("--speed", type=positive_seconds, metavar="X", help="of --real-time (default: 1)")
-    parser.add_argument("--attitude", type=Path, metavar="CSV", help="attitude log of a video")
-    parser.add_argument("--camera", type=Path, metavar="FILE", help="camera.yaml of a video or camera")
-    parser.add_argument(
-        "--mavlink", metavar="URL", help="autopilot with the attitude of a camera, in real time; as of `fly`"
-    )
+    parser.add_argument("--mavlink", metavar="URL", help="as --attitude mavlink:URL")
     add_autopilot(parser)
 
 
@@ -73,30 +68,29 @@ def positive_seconds(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> None:
     """Learn until the stream ends, Ctrl-C or SIGTERM; then write the run folder."""
-    recording, stream = _source(arguments)
+    source = _source(arguments)
     config = resolve_config(arguments)
 
     from horizon_dl.errors import InputError
     from horizon_dl.online.real_time import run_in_real_time
     from horizon_dl.online.run import OnlineRun
 
-    if arguments.speed is not None and (stream.live or not arguments.real_time):
+    if arguments.speed is not None and (source.live or not arguments.real_time):
         raise InputError("--speed", "has no meaning without --real-time, nor with --mavlink", "leave it out")
     online = OnlineRun(
-        stream,
+        source,
         config,
         arguments.out,
-        recording=recording,
         max_frames=arguments.max_frames,
         export_every_s=arguments.export_every,
         restart=arguments.restart,
         progress=True,
     )
     if online.position:
-        online.keeper.say(f"going on at frame {online.position} of {stream.name}")
+        online.keeper.say(f"going on at frame {online.position} of {source.name}")
     more: dict[str, Any] = {}
     with _stopping(online):
-        if arguments.real_time or stream.live:
+        if arguments.real_time or source.live:
             more = {"real_time": run_in_real_time(online, arguments.speed or 1.0)}
         else:
             online.run()
@@ -104,50 +98,38 @@ def run(arguments: argparse.Namespace) -> None:
     _say(arguments, online, more)
 
 
-def _source(arguments: argparse.Namespace) -> "tuple[Recording | None, Stream]":
-    from horizon_dl.data.capture.camera import is_live
-    from horizon_dl.data.capture.stream import recorded_stream, video_stream
-    from horizon_dl.data.readers.registry import open_recording
-    from horizon_dl.errors import InputError
-
-    if arguments.mavlink is not None:
-        return None, _live(arguments)
-    if is_live(arguments.data):
-        raise InputError(arguments.data, "has no attitude without --mavlink", "name the autopilot's address")
-    if arguments.camera_delay or arguments.system != 1 or arguments.signing_key:
-        options = "--camera-delay, --system or --signing-key"
-        raise InputError(options, "has no meaning without --mavlink", "leave it out")
-    path = Path(arguments.data)
-    if not path.exists():
-        raise InputError(path, "does not exist", "give the folder of a data set, or a video file")
-    if path.is_dir():
-        recording = open_recording(path, arguments.format)
-        return recording, recorded_stream(recording)
-    if arguments.attitude is None or arguments.camera is None:
-        missing = "--camera" if arguments.attitude else "--attitude"
-        raise InputError(path, f"is a video without {missing}", "a video needs both; see --help")
-    return None, video_stream(path, arguments.attitude, arguments.camera)
-
-
-def _live(arguments: argparse.Namespace) -> "Stream":
-    from horizon_dl.data.calibration.calibration import read_calibration
-    from horizon_dl.data.capture.live import live_stream
+def _source(arguments: argparse.Namespace) -> "FrameSource":
+    from horizon_dl.data.capture.camera import CameraSource
+    from horizon_dl.data.capture.with_autopilot import WithAutopilot
+    from horizon_dl.data.open_source import open_source
     from horizon_dl.errors import InputError
     from horizon_dl.vehicle.mavlink import open_link
 
-    if arguments.attitude is not None:
-        raise InputError("--attitude", "has no meaning with --mavlink", "leave one of them out")
-    if arguments.camera is None:
-        raise InputError(
-            "--camera", "is missing", "name the camera.yaml that tells how the camera is mounted"
-        )
+    url = _autopilot(arguments)
+    if url is None and (arguments.camera_delay or arguments.system != 1 or arguments.signing_key):
+        options = "--camera-delay, --system or --signing-key"
+        raise InputError(options, "has no meaning without an autopilot", "give --attitude mavlink:URL")
     check_autopilot(arguments)
-    return live_stream(
-        arguments.data,
-        read_calibration(arguments.camera),
-        lambda: open_link(arguments.mavlink, arguments.system, arguments.signing_key),
-        arguments.camera_delay,
-    )
+    source = open_source(arguments.data, arguments.format, given(arguments), delay_s=arguments.camera_delay)
+    if url is None:
+        return source
+    if not isinstance(source, CameraSource):
+        raise InputError(f"mavlink:{url}", "is the attitude of a camera alone", "give a recording's own log")
+    if source.camera is None:
+        raise InputError("--camera", "is missing", "name the calibration that holds the mount")
+    return WithAutopilot(source, lambda: open_link(url, arguments.system, arguments.signing_key))
+
+
+def _autopilot(arguments: argparse.Namespace) -> str | None:
+    """The autopilot's address; it is taken out of --attitude, which is a log's else."""
+    from horizon_dl.errors import InputError
+
+    if arguments.mavlink and arguments.attitude:
+        raise InputError("--attitude", "has no meaning with --mavlink", "leave one of them out")
+    if arguments.attitude and arguments.attitude.startswith(MAVLINK):
+        arguments.mavlink, arguments.attitude = arguments.attitude.removeprefix(MAVLINK), None
+    url: str | None = arguments.mavlink
+    return url
 
 
 def _stopping(online: "OnlineRun") -> Any:
@@ -173,7 +155,7 @@ def _stopping(online: "OnlineRun") -> Any:
 
 
 def _say(arguments: argparse.Namespace, online: "OnlineRun", more: dict[str, Any]) -> None:
-    figures, name = online.figures, online.stream.name
+    figures, name = online.figures, online.source.name
     print(f"saw {figures.seen} frames of {name}, learned from {figures.learned}")
     for reason, count in figures.reasons.most_common():
         print(f"  not learned from: {count}, {reason}")

@@ -6,18 +6,33 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from horizon_dl.config import Config
-    from horizon_dl.data.frame import Recording
+    from horizon_dl.data.given import Given
+    from horizon_dl.data.source import Recording
 
 
-def add_data(parser: argparse.ArgumentParser) -> None:
-    """`DATA` and `--format`."""
-    parser.add_argument("data", type=Path, metavar="DATA", help="folder of the image set")
-    add_format(parser)
+def add_data(parser: argparse.ArgumentParser, name: str = "data") -> None:
+    """`DATA` (or `SOURCE`) and all that may be given beside it."""
+    what = "folder, film, log, camera:N or a stream's address"
+    parser.add_argument(name, metavar=name.upper(), help=what)
+    add_given(parser)
 
 
-def add_format(parser: argparse.ArgumentParser) -> None:
-    """`--format`."""
-    parser.add_argument("--format", metavar="NAME", help="format of DATA (recognised if left out)")
+def add_given(parser: argparse.ArgumentParser) -> None:
+    """`--format`, `--camera`, `--attitude` and `--time-offset`: what the data itself lacks."""
+    parser.add_argument("--format", metavar="NAME", help="format of the data (recognised if left out)")
+    parser.add_argument("--camera", type=Path, metavar="FILE", help="calibration and mount of the camera")
+    parser.add_argument(
+        "--attitude",
+        metavar="FROM",
+        help="a log's file, mavlink:URL, or constant:ROLL,PITCH in degrees",
+    )
+    parser.add_argument(
+        "--time-offset",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="added to a log's times to give those of the images (default: 0)",
+    )
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:
@@ -80,11 +95,18 @@ def check_autopilot(arguments: argparse.Namespace) -> None:
         )
 
 
-def open_data(arguments: argparse.Namespace) -> "Recording":
-    """The recording that `DATA` and `--format` name."""
-    from horizon_dl.data.readers.registry import open_recording
+def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Given":
+    """The values of `add_given`."""
+    from horizon_dl.data.given import Given
 
-    return open_recording(arguments.data, arguments.format)
+    return Given(arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude)
+
+
+def open_data(arguments: argparse.Namespace) -> "Recording":
+    """The recording that `DATA` and the options beside it name; InputError for a camera or stream."""
+    from horizon_dl.data.open_source import finished_recording, open_source
+
+    return finished_recording(open_source(arguments.data, arguments.format, given(arguments)))
 
 
 def resolve_config(arguments: argparse.Namespace) -> "Config":

@@ -12,11 +12,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import add_out, is_model_file, say_skipped
+from horizon_dl.cli.options import add_data, add_out, given, is_model_file, say_skipped
 
 if TYPE_CHECKING:
-    from horizon_dl.data.frame import Recording
-    from horizon_dl.data.source import Source
+    from horizon_dl.data.source import Recording
     from horizon_dl.errors import FrameError
     from horizon_dl.visualization.colours import Image
 
@@ -26,8 +25,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
     parser.add_argument("model", type=Path, metavar="MODEL", help="what `train --out` or `export` wrote")
-    parser.add_argument("source", type=Path, metavar="SOURCE", help="data set, folder of images, or image")
-    parser.add_argument("--format", metavar="NAME", help="format of SOURCE (recognised if left out)")
+    add_data(parser, "source")
     parser.add_argument(
         "--video",
         type=Path,
@@ -42,21 +40,21 @@ def run(arguments: argparse.Namespace) -> None:
     import numpy as np
     from tqdm import tqdm
 
-    from horizon_dl.data.frame import Recording
-    from horizon_dl.data.source import frame_count, open_source
+    from horizon_dl.data.open_source import finished_recording, open_source
     from horizon_dl.errors import FrameError, InputError
     from horizon_dl.output import output_folder
     from horizon_dl.visualization.panels import save_panel
 
     predictions = _from_file if is_model_file(arguments.model) else _from_run
-    source = open_source(arguments.source, arguments.format)
-    if arguments.video and not (is_model_file(arguments.model) and isinstance(source, Recording)):
-        raise InputError("--video", "needs an exported model and a data set", "run `horizon-dl export` first")
-    count = frame_count(source)
+    wanted = given(arguments, needs_attitude=False)
+    recording = finished_recording(open_source(arguments.source, arguments.format, wanted))
+    if arguments.video and not (is_model_file(arguments.model) and recording.camera):
+        raise InputError("--video", "needs an exported model and a camera", "run `horizon-dl export`")
+    count = recording.length
     skipped: dict[str, str] = {}
     with output_folder(arguments.out) as folder:
         (folder / "arrays").mkdir()
-        for item in tqdm(predictions(arguments.model, source), "predict", total=count, unit="frame"):
+        for item in tqdm(predictions(arguments.model, recording), "predict", total=count, unit="frame"):
             if isinstance(item, FrameError):
                 skipped[str(item)] = str(item)
                 continue
@@ -69,8 +67,8 @@ def run(arguments: argparse.Namespace) -> None:
             )
     say_skipped(skipped)
     print(f"wrote {count - len(skipped)} panels and arrays to {arguments.out}")
-    if arguments.video and isinstance(source, Recording):
-        print(f"wrote {_film(arguments.video, arguments.model, source)} frames to {arguments.video}")
+    if arguments.video:
+        print(f"wrote {_film(arguments.video, arguments.model, recording)} frames to {arguments.video}")
 
 
 def _film(path: Path, model: Path, recording: "Recording") -> int:
@@ -80,26 +78,29 @@ def _film(path: Path, model: Path, recording: "Recording") -> int:
     return write_film(path, ObstacleModel.load(model), recording)
 
 
-def _from_run(folder: Path, source: "Source") -> "Iterator[Drawn | FrameError]":
+def _from_run(folder: Path, recording: "Recording") -> "Iterator[Drawn | FrameError]":
+    from horizon_dl.data.frame import checked
     from horizon_dl.errors import FrameError
     from horizon_dl.reporting.comparison import prediction_panel
-    from horizon_dl.training.predict import predict, views_of
+    from horizon_dl.training.predict import predict
     from horizon_dl.training.run_folder import load_run
 
     trained = load_run(folder)
-    for item in views_of(source, trained.config.image.max_pixels):
-        if isinstance(item, FrameError):
-            yield item
-        else:
-            view, frame = item
-            prediction = predict(trained, view, None if frame is None else frame.truth)
-            yield view.name, prediction_panel(prediction, frame, trained.threshold), prediction.arrays()
+    for item in recording.frames():
+        try:
+            if isinstance(item, FrameError):
+                raise item
+            prediction = predict(trained, checked(item))
+        except FrameError as error:
+            yield error
+            continue
+        yield item.name, prediction_panel(prediction, item, trained.threshold), prediction.arrays()
 
 
-def _from_file(path: Path, source: "Source") -> "Iterator[Drawn | FrameError]":
+def _from_file(path: Path, recording: "Recording") -> "Iterator[Drawn | FrameError]":
     from horizon_dl.errors import FrameError
     from horizon_dl.runtime.model import ObstacleModel
     from horizon_dl.runtime.predict import predict_source
 
-    for item in predict_source(ObstacleModel.load(path), source):
-        yield item if isinstance(item, FrameError) else (item.name, item.panel(), item.arrays())
+    for item in predict_source(ObstacleModel.load(path), recording):
+        yield item if isinstance(item, FrameError) else (item.frame.name, item.panel(), item.arrays())

@@ -1,4 +1,4 @@
-"""Reads one frame of a recording: decode, turn upright, check."""
+"""Image files: decoded, checked, brought to RGB."""
 
 from pathlib import Path
 
@@ -6,39 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from horizon_dl.data.frame import Frame, Recording, Truth
+from horizon_dl.data.frame import Truth
 from horizon_dl.errors import FrameError
-from horizon_dl.geometry.camera import Camera
 
 
-def load_frame(recording: Recording, index: int) -> Frame:
-    """The frame at an index with its image and truth in memory.
+def load_uint16(path: Path) -> NDArray[np.uint16]:
+    """(h, w) numbers of an image with one channel of 16 bits, as they are stored.
 
     Raises:
-        FrameError: the image or the truth cannot be read or has another size than the camera.
+        FrameError: it cannot be read, or is none.
     """
-    entry = recording.entries[index]
-    image = load_rgb(entry.image_path)
-    image = np.ascontiguousarray(np.rot90(image, recording.rotate_quarter_turns_ccw))
-    _check_size(entry.image_path, image, recording.camera)
-    truth = None if entry.truth_path is None else _load_truth(entry.truth_path, recording.camera)
-    return Frame(
-        entry.name,
-        entry.time_s,
-        image,
-        recording.camera,
-        entry.up_cam,
-        entry.height_m,
-        truth,
-        entry.floor_up_cam,
-    )
-
-
-def load_counts(path: Path) -> NDArray[np.uint16]:
-    """(h, w) numbers of a 16-bit range image, as they are stored; FrameError where it is none."""
     image = _decode(path)
     if not image.mode.startswith("I"):
-        raise FrameError(path, f"has the mode {image.mode}", "store ranges as one channel of 16 bits")
+        raise FrameError(path, f"has the mode {image.mode}", "store it as one channel of 16 bits")
     return np.asarray(image).astype(np.uint16)
 
 
@@ -76,28 +56,23 @@ def _decode(path: Path) -> Image.Image:
         raise FrameError(path, kind, "restore the file or leave the frame out") from None
 
 
-def _load_truth(path: Path, camera: Camera) -> NDArray[np.uint8]:
+def load_truth(path: Path, shape: tuple[int, ...]) -> NDArray[np.uint8]:
+    """(H, W) uint8 of `Truth`.
+
+    Raises:
+        FrameError: it cannot be read, has another size than its upright image, or holds other values.
+    """
     image = _decode(path)
     if len(image.getbands()) != 1:
-        raise FrameError(
-            path, f"has {len(image.getbands())} channels", "store labels as one channel of 8 bits"
-        )
+        problem = f"has {len(image.getbands())} channels"
+        raise FrameError(path, problem, "store labels as one channel of 8 bits")
     values = np.asarray(image)
-    _check_size(path, values, camera)
-    if values.min() < 0 or values.max() > max(Truth):
+    if values.shape != shape:
+        sizes = f"is {values.shape[1]}x{values.shape[0]} pixels, its upright image {shape[1]}x{shape[0]}"
+        raise FrameError(path, sizes, "store labels at the size of the upright image")
+    worst = values.max() if values.max() > max(Truth) else values.min()
+    if not 0 <= worst <= max(Truth):
         raise FrameError(
-            path,
-            f"holds the value {values.max() if values.max() > max(Truth) else values.min()}",
-            "labels are 0 ignore, 1 floor, 2 obstacle, 3 above",
+            path, f"holds the value {worst}", "labels are 0 ignore, 1 floor, 2 obstacle, 3 above"
         )
     return values.astype(np.uint8)
-
-
-def _check_size(path: Path, image: NDArray[np.generic], camera: Camera) -> None:
-    height, width = image.shape[:2]
-    if (width, height) != (camera.width, camera.height):
-        raise FrameError(
-            path,
-            f"is {width}x{height} pixels when upright, the camera {camera.width}x{camera.height}",
-            "use the image size that the camera was calibrated for",
-        )

@@ -1,26 +1,164 @@
-"""What `predict` takes: a data set, or plain pictures."""
+"""Where frames come from: recordings, which can be read again, and live sources, which cannot."""
 
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
 
-from horizon_dl.data.frame import Recording
-from horizon_dl.data.readers.image_files import picture_paths
-from horizon_dl.data.readers.registry import open_recording
+import numpy as np
+from numpy.typing import NDArray
 
-Source = Recording | list[Path]
+from horizon_dl.data.frame import Frame, FrameHeader, RangeImage, checked
+from horizon_dl.errors import FrameError, InputError
+from horizon_dl.geometry.camera import Camera
+
+MountRpy = tuple[float, float, float]
 
 
-def open_source(source: Path, format: str | None) -> Source:
-    """A data set, or else plain pictures.
+def calibrated(source: "FrameSource") -> Camera:
+    """The camera of a source; InputError for plain pictures, of which no camera is known."""
+    if source.camera is None:
+        raise InputError(source.name, "has no known camera", "name its calibration with --camera")
+    return source.camera
 
-    Raises:
-        InputError: neither; what a data set needs is in the message.
+
+class FrameSource(Protocol):
+    """Frames in the order of their time, whatever lies behind them: folders, films, logs, cameras.
+
+    Attributes:
+        name: of the data.
+        format: name of the reader, or `live`.
+        camera: intrinsics of the upright images; None for plain pictures.
+        mount_rpy_rad: roll, pitch and yaw of the camera in the body; None where it is not known.
+        notes: what the reader did that its user should know, a sentence each.
+        length: number of frames, or None where that is not known.
+        live: frames come when they come, and do not wait.
     """
-    pictures = picture_paths(source)
-    if pictures and format is None and not (source / "camera.yaml").exists():
-        return pictures
-    return open_recording(source, format)
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+
+    @property
+    def format(self) -> str: ...  # noqa: D102
+
+    @property
+    def camera(self) -> Camera | None: ...  # noqa: D102
+
+    @property
+    def mount_rpy_rad(self) -> MountRpy | None: ...  # noqa: D102
+
+    @property
+    def notes(self) -> tuple[str, ...]: ...  # noqa: D102
+
+    @property
+    def length(self) -> int | None: ...  # noqa: D102
+
+    @property
+    def live(self) -> bool: ...  # noqa: D102
+
+    def frames(self, start: int = 0) -> Iterator[Frame | FrameError]:
+        """Frames from a position on; in place of one whose image cannot be read, the error."""
+        ...
+
+    def stop(self) -> None:
+        """End `frames` soon, from any thread, even while no frame comes."""
+        ...
 
 
-def frame_count(source: Source) -> int:
-    """Number of frames or pictures."""
-    return len(source.entries) if isinstance(source, Recording) else len(source)
+@dataclass(frozen=True)
+class Pixels:
+    """What is read of a frame when it is asked for; see `Frame`."""
+
+    image: NDArray[np.uint8]
+    truth: NDArray[np.uint8] | None = None
+    ranges: RangeImage | None = None
+
+
+class Loader(Protocol):
+    """Reads the images of a recording; it travels between processes."""
+
+    def __call__(self, index: int, with_truth: bool) -> Pixels:
+        """The upright image at an index, with truth and ranges if asked for and there.
+
+        Raises:
+            FrameError: the image, or a truth that was asked for, cannot be read.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A finished recording, a `FrameSource` that can be read at any index; images are read when asked for.
+
+    Attributes:
+        headers: of all frames, sorted by time.
+        load: reads a frame's image.
+    """
+
+    name: str
+    format: str
+    camera: Camera | None
+    headers: Sequence[FrameHeader]
+    load: Loader
+    mount_rpy_rad: MountRpy | None = None
+    notes: tuple[str, ...] = ()
+    live: bool = False
+
+    @property
+    def length(self) -> int:
+        """Number of frames."""
+        return len(self.headers)
+
+    @property
+    def calibrated(self) -> Camera:
+        """See `calibrated`."""
+        return calibrated(self)
+
+    def read(self, index: int, *, with_truth: bool = True) -> Frame:
+        """The frame at an index.
+
+        Raises:
+            FrameError: the image or its truth cannot be read or has another size than the camera.
+        """
+        return checked(self._frame(index, with_truth and self.headers[index].labelled))
+
+    def frames(self, start: int = 0) -> Iterator[Frame | FrameError]:
+        """Frames as far as they can be had.
+
+        A truth that cannot be read is left out; an image of another size than the camera's stays as it is.
+        """
+        for index in range(start, self.length):
+            yield self._as_far_as_readable(index)
+
+    def select(self, indices: Sequence[int]) -> "Recording":
+        """Some of the frames as a recording of their own.
+
+        Example:
+            >>> recording.select(range(10)).length   # doctest: +SKIP
+            10
+        """
+        headers = [self.headers[index] for index in indices]
+        return replace(self, headers=headers, load=_Selected(self.load, tuple(indices)))
+
+    def stop(self) -> None:
+        """Nothing to stop: frames come as fast as they are asked for."""
+
+    def _frame(self, index: int, with_truth: bool) -> Frame:
+        pixels = self.load(index, with_truth)
+        return Frame(**vars(self.headers[index]), **vars(pixels), camera=self.camera)
+
+    def _as_far_as_readable(self, index: int) -> Frame | FrameError:
+        for with_truth in (self.headers[index].labelled, False):
+            try:
+                return self._frame(index, with_truth)
+            except FrameError as error:
+                _, problem, way_out = error.args
+        return FrameError(self.headers[index].name, problem, way_out)
+
+
+@dataclass(frozen=True)
+class _Selected:
+    load: Loader
+    indices: tuple[int, ...]
+
+    def __call__(self, index: int, with_truth: bool) -> Pixels:
+        return self.load(self.indices[index], with_truth)

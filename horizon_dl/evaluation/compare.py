@@ -9,7 +9,7 @@ import numpy as np
 from tqdm import tqdm
 
 from horizon_dl.config import Config
-from horizon_dl.data.frame import Recording
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.protocols import Protocol, Split, split_frames
 from horizon_dl.evaluation.scoring import (
@@ -33,7 +33,6 @@ from horizon_dl.methods.learners import (
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
-from horizon_dl.metrics.obstacle_height import SecondTruth
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.frame_store import FrameStore
@@ -96,7 +95,7 @@ def compare(
     store = FrameStore(recording, config)
     run_seed = _prequential if protocol == "prequential" else _offline
     tallies: dict[str, list[Tally]] = {name: [] for name in LEARNERS}
-    ranging = RangingBlock(recording)
+    ranging = RangingBlock(recording.headers)
     watch = watching(ranging, on_frame)
     nets: list[HorizonFCN] = []
     for number, seed in enumerate(seeds):
@@ -120,10 +119,10 @@ def compare(
 
 def split_recording(recording: Recording, protocol: Protocol) -> Split:
     """`split_frames` of a recording; InputError where it leaves nothing to train on or to test."""
-    split = split_frames(protocol, [entry.truth_path is not None for entry in recording.entries])
+    split = split_frames(protocol, [entry.labelled for entry in recording.headers])
     if not split.train or not split.test:
         problem = (
-            f"has {len(recording.entries)} frames, of which the protocol '{protocol}' leaves "
+            f"has {recording.length} frames, of which the protocol '{protocol}' leaves "
             f"{len(split.train)} to train on and {len(split.test)} to test"
         )
         raise InputError(recording.name, problem, "take another --protocol, or more labelled frames")
@@ -146,8 +145,7 @@ def _offline(
     }
     readings = read_frames(methods, store, split.test, workers)
     bar = _bar(readings, f"test, seed {seed}", len(split.test), progress)
-    second_truth = SecondTruth(store.recording)
-    tallies = tally_readings(bar, thresholds, config.labels.band_rad, second_truth, on_frame)
+    tallies = tally_readings(bar, thresholds, config.labels.band_rad, on_frame)
     tallies["cnn"].train_s, tallies["rf"].train_s = net_s, forest_s
     return tallies, net
 
@@ -168,8 +166,7 @@ def _prequential(
     streams: dict[str, StreamLearner] = {"cnn": net, "rf": ForestStream(config, seed)}
     tallies = {name: Tally() for name in streams}
     entropies = {name: RunningPercentile(config.threshold.percentile) for name in streams}
-    second_truth = SecondTruth(store.recording)
-    tested = {store.recording.entries[index].name for index in split.test}
+    tested = {store.recording.headers[index].name for index in split.test}
     frames = _bar(store.frames(split.train), f"online, seed {seed}", len(split.train), progress)
     for number, (frame, view) in enumerate(frames):
         wanted = frame.name in tested or number % THRESHOLD_EVERY == 0
@@ -180,7 +177,7 @@ def _prequential(
         if frame.name in tested and len(ready) == len(streams):
             thresholds = {name: entropies[name].value() for name in ready}
             scored = ScoredFrame(frame, view, reading.maps, thresholds)
-            count_frame(tallies, scored, config.labels.band_rad, second_truth)
+            count_frame(tallies, scored, config.labels.band_rad)
             if on_frame:
                 on_frame(scored)
         for name, found in reading.maps.items():
@@ -194,8 +191,8 @@ def _prequential(
 
 def _baselines(store: FrameStore, test: Sequence[int], progress: bool, workers: Workers) -> dict[str, Tally]:
     readings = read_frames(training_free_methods(), store, test, workers)
-    band_rad, second_truth = store.config.labels.band_rad, SecondTruth(store.recording)
-    return tally_readings(_bar(readings, "baselines", len(test), progress), {}, band_rad, second_truth)
+    bar = _bar(readings, "baselines", len(test), progress)
+    return tally_readings(bar, {}, store.config.labels.band_rad)
 
 
 def _bar(items: Iterable[T], what: str, total: int, progress: bool) -> Iterable[T]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from tqdm import tqdm
 
-from horizon_dl.data.frame import Recording
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.compare import Comparison
 from horizon_dl.evaluation.scoring import (
@@ -16,10 +16,9 @@ from horizon_dl.evaluation.scoring import (
     watching,
 )
 from horizon_dl.methods.learners import Method, NetMethod
-from horizon_dl.methods.onnx_file import FileMethod, FileRun, with_frames
+from horizon_dl.methods.onnx_file import FileMethod, FileRun
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
-from horizon_dl.metrics.obstacle_height import SecondTruth
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.runtime.predict import check_camera
 from horizon_dl.training.frame_store import FrameStore
@@ -43,7 +42,7 @@ def evaluate(
         InputError: there is no truth, too many frames cannot be used, or the file is for another camera.
     """
     store = FrameStore(recording, run.config)
-    labelled = [index for index, entry in enumerate(recording.entries) if entry.truth_path]
+    labelled = [index for index, entry in enumerate(recording.headers) if entry.labelled]
     if not labelled:
         raise InputError(
             recording.name, "has no truth (labels/*.png)", "use `horizon-dl predict` for pictures"
@@ -52,10 +51,10 @@ def evaluate(
     methods: dict[str, Method] = {learner: _learner(run, recording), **training_free_methods()}
     readings = _readings(methods, store, labelled, workers)
     bar = tqdm(readings, "evaluate", total=len(labelled), unit="frame", disable=not progress)
-    ranging = RangingBlock(recording)
+    ranging = RangingBlock(recording.headers)
     watch = watching(ranging, on_frame, learner)
     thresholds, band_rad = {learner: run.threshold}, run.config.labels.band_rad
-    found = tally_readings(bar, thresholds, band_rad, SecondTruth(recording), watch)
+    found = tally_readings(bar, thresholds, band_rad, watch)
     found[learner].train_s = float(run.info.get("train_s", 0.0))
     tallies = {name: [tally] for name, tally in found.items()}
     metrics = {
@@ -80,13 +79,12 @@ def _readings(
 ) -> Iterator[Reading]:
     # A runtime's session stays in its process.
     if any(isinstance(method, FileMethod) for method in methods.values()):
-        frames = with_frames(store.frames(indices))
-        return (read_frame(methods, frame, view) for frame, view in frames)
+        return (read_frame(methods, frame, view) for frame, view in store.frames(indices))
     return read_frames(methods, store, indices, workers)
 
 
 def _learner(run: Run | FileRun, recording: Recording) -> Method:
     if isinstance(run, FileRun):
-        check_camera(run.model, recording.camera, recording.name)
+        check_camera(run.model, recording.calibrated, recording.name)
         return FileMethod(run.model)
     return NetMethod(run.net)

@@ -8,12 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.config import Config
-from horizon_dl.data.frame import Frame, Recording
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.methods.learners import Method
 from horizon_dl.metrics.accumulators import Tally, scored_pixels
-from horizon_dl.metrics.obstacle_height import SecondTruth
+from horizon_dl.metrics.obstacle_height import by_height
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.scores import P_ABOVE
@@ -57,7 +58,7 @@ def read_frame(methods: Mapping[str, Method], frame: Frame, view: View) -> Readi
     maps, seconds = {}, {}
     for name, method in methods.items():
         start = time.perf_counter()
-        maps[name] = method.score_maps(view)
+        maps[name] = method.score_maps(frame, view)
         seconds[name] = time.perf_counter() - start
     return Reading(frame, view, maps, seconds)
 
@@ -76,46 +77,30 @@ def _read_index(shared: tuple[Mapping[str, Method], Recording, Config], index: i
     return found if isinstance(found, FrameError) else read_frame(methods, *found)
 
 
-def score_frames(
-    methods: Mapping[str, Method],
-    thresholds: Mapping[str, float],
-    frames: Iterable[tuple[Frame, View]],
-    band_rad: float,
-    second_truth: SecondTruth,
-    on_frame: OnFrame | None = None,
-) -> dict[str, Tally]:
-    """Ask every method about frames, and count."""
-    readings = (read_frame(methods, frame, view) for frame, view in frames)
-    return tally_readings(readings, thresholds, band_rad, second_truth, on_frame)
-
-
 def tally_readings(
     readings: Iterable[Reading],
     thresholds: Mapping[str, float],
     band_rad: float,
-    second_truth: SecondTruth,
     on_frame: OnFrame | None = None,
 ) -> dict[str, Tally]:
-    """Count readings; thresholds belong to the entropy, the second truth to the recording."""
+    """Count readings; thresholds belong to the entropy."""
     tallies: dict[str, Tally] = {}
     for reading in readings:
         scored = ScoredFrame(reading.frame, reading.view, reading.maps, dict(thresholds))
         for name, seconds in reading.seconds.items():
             tallies.setdefault(name, Tally()).add_time(seconds)
-        count_frame(tallies, scored, band_rad, second_truth)
+        count_frame(tallies, scored, band_rad)
         if on_frame:
             on_frame(scored)
     return tallies
 
 
-def count_frame(
-    tallies: Mapping[str, Tally], scored: ScoredFrame, band_rad: float, second_truth: SecondTruth
-) -> None:
+def count_frame(tallies: Mapping[str, Tally], scored: ScoredFrame, band_rad: float) -> None:
     """Count what the methods say of one frame in their tallies."""
     pixels = scored_pixels(scored.frame)
     others = {
         "above": scored_pixels(scored.frame, above=True),
-        **second_truth.parts(scored.frame, pixels),
+        **by_height(scored.frame, pixels),
     }
     for name, maps in scored.maps.items():
         tally = tallies[name]

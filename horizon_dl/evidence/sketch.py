@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from horizon_dl.data.view import working_size
-from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.camera import working_size
 
 Sketch = NDArray[np.uint8]
 
@@ -23,7 +22,7 @@ def luma(image: NDArray[np.uint8]) -> NDArray[np.float32]:
 def sketch_of(image: NDArray[np.uint8]) -> Sketch:
     """A small grey picture (h, w) uint8 of at most 64x48 pixels with the image's aspect."""
     height, width = image.shape[:2]
-    size = working_size(Camera("pinhole", width, height, 1.0, 1.0, 0.0, 0.0), SKETCH_PIXELS)
+    size = working_size(width, height, SKETCH_PIXELS)
     smaller = Image.fromarray(image).reduce(max(1, min(width // size[0], height // size[1])))
     return np.asarray(smaller.convert("L").resize(size, Image.Resampling.BOX))
 

@@ -7,9 +7,8 @@ from typing import Any
 from safetensors.torch import save
 
 from horizon_dl.config import Config
-from horizon_dl.data.frame import Recording
-from horizon_dl.data.view import working_size
-from horizon_dl.geometry.camera import Camera
+from horizon_dl.data.source import Recording
+from horizon_dl.geometry.camera import Camera, working_size
 from horizon_dl.models.build import parameter_count
 from horizon_dl.models.features import FEATURE_NAMES
 from horizon_dl.models.forest import HorizonForest
@@ -107,12 +106,12 @@ def make_forest_card(
         "trained_on": {
             "data": recording.name,
             "format": recording.format,
-            "frames": len(recording.entries),
+            "frames": recording.length,
             "train_s": train_s,
         },
         "trained_camera": True,
         "weights_sha256": forest_hash(forest),
-        **_common(config, recording.camera, threshold, f"percentile-{config.threshold.percentile:g}"),
+        **_common(config, recording.calibrated, threshold, f"percentile-{config.threshold.percentile:g}"),
     }
 
 
@@ -121,7 +120,7 @@ def _common(config: Config, camera: Camera, threshold: float, rule: str | None) 
         "limits": LIMITS,
         "camera": asdict(camera),
         "image_size": [camera.width, camera.height],
-        "working_size": list(working_size(camera, config.image.max_pixels)),
+        "working_size": list(working_size(camera.width, camera.height, config.image.max_pixels)),
         "inputs": INPUTS,
         "outputs": OUTPUTS,
         "left_out": LEFT_OUT,

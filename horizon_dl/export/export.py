@@ -7,8 +7,8 @@ from typing import Any
 
 import onnx
 
-from horizon_dl.data.frame import Frame, Recording
-from horizon_dl.data.images import load_frame
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.export.card import make_card
 from horizon_dl.export.graph import WholeWay
@@ -88,11 +88,11 @@ def trained_camera(run: Run, where: str | Path) -> Camera:
 
 def parity_frames(recording: Recording) -> list[Frame]:
     """At most 8 frames with attitude, evenly spread; those that cannot be read are left out."""
-    usable = [index for index, entry in enumerate(recording.entries) if entry.up_cam is not None]
+    usable = [index for index, entry in enumerate(recording.headers) if entry.up_cam is not None]
     frames = []
     for index in evenly(usable, MOST_FRAMES):
         try:
-            frames.append(load_frame(recording, index))
+            frames.append(recording.read(index))
         except FrameError:
             continue
     return frames

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from horizon_dl.config import Config
-from horizon_dl.data.frame import Recording
+from horizon_dl.data.source import Recording
 from horizon_dl.export.card import make_forest_card
 from horizon_dl.export.export import Exported, exported, parity_frames
 from horizon_dl.export.parity import feed_of, predictor, sample_frames
@@ -31,7 +31,7 @@ def export_forest(recording: Recording, config: Config) -> Exported:
         RuntimeError: the file does not say what the forest says.
     """
     store = FrameStore(recording, config)
-    indices = range(len(recording.entries))
+    indices = range(recording.length)
     start = time.perf_counter()
     forest = fit_forest(store, indices, config.seed).forest
     train_s = time.perf_counter() - start
@@ -44,7 +44,7 @@ def export_forest(recording: Recording, config: Config) -> Exported:
 def forest_threshold(forest: HorizonForest, store: FrameStore) -> float:
     """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
     say = predictor(forest)
-    views = store.views(evenly(range(len(store.recording.entries)), THRESHOLD_FRAMES))
+    views = store.views(evenly(range(store.recording.length), THRESHOLD_FRAMES))
     entropies = (say(view).entropy[~np.isnan(view.elevation)] for view in views)
     return stream_percentile(entropies, store.config.threshold.percentile)
 

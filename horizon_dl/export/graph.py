@@ -6,13 +6,12 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from horizon_dl.data.view import working_size
 from horizon_dl.export.encode import Encode
 from horizon_dl.export.entropy import BITS, entropy, surprise
 from horizon_dl.export.forest_features import ForestFeatures
 from horizon_dl.export.forest_trees import ML_DOMAIN, ML_OPSET, TreeVotes
 from horizon_dl.export.resize import AreaShrink, NearestEnlarge
-from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.camera import Camera, working_size
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.models.fcn import HorizonFCN, enlarge
 from horizon_dl.models.forest import HorizonForest
@@ -57,7 +56,7 @@ class WholeWay(nn.Module):
     ) -> None:
         super().__init__()
         self.image_size = (camera.width, camera.height)
-        self.size = working_size(camera, max_pixels)
+        self.size = working_size(camera.width, camera.height, max_pixels)
         self.resize = AreaShrink(self.image_size, self.size)
         interleaved = not self.resize.shrinks
         self.encode: nn.Module

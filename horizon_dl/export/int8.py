@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from onnxruntime.quantization import CalibrationDataReader, QuantFormat, QuantType, quantize_static
 from onnxruntime.quantization.shape_inference import quant_pre_process
 
-from horizon_dl.data.frame import Frame, Recording
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.source import Recording
 from horizon_dl.export.export import Exported, parity_frames
 from horizon_dl.export.measure import measured
 from horizon_dl.export.onnx_file import file_bytes

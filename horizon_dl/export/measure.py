@@ -4,7 +4,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from horizon_dl.data.frame import Recording
+from horizon_dl.data.source import Recording
 from horizon_dl.evaluation.evaluate import evaluate
 from horizon_dl.methods.onnx_file import load_file_run
 

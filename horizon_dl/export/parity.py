@@ -94,7 +94,8 @@ def sample_frames(camera: Camera, count: int = 3) -> list[Frame]:
         smooth = np.asarray(coarse.resize((camera.width, camera.height), Image.Resampling.BICUBIC))
         image = np.clip(smooth + rng.normal(0, 12, smooth.shape), 0, 255).astype(np.uint8)
         up_cam = np.array([0.0, -1.0, 0.0]) + rng.normal(0, 0.2, 3)
-        frames.append(Frame(f"sample-{index}", float(index), image, camera, up_cam / np.linalg.norm(up_cam)))
+        up_cam /= np.linalg.norm(up_cam)
+        frames.append(Frame(f"sample-{index}", float(index), up_cam, image=image, camera=camera))
     return frames
 
 

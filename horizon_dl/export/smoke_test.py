@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from horizon_dl.data.frame import Recording
+from horizon_dl.data.source import Recording
 from horizon_dl.export.export import export_run, parity_frames
 from horizon_dl.runtime.benchmark import quartiles, timed_in_turn
 from horizon_dl.runtime.model import ObstacleModel
@@ -42,7 +42,7 @@ def export_and_try(run: Run, recording: Recording, folder: Path) -> Tried:
         RuntimeError: the file does not say what the run says.
     """
     frames = parity_frames(recording)[-2:]
-    exported = export_run(run, recording.camera, frames)
+    exported = export_run(run, recording.calibrated, frames)
     path = exported.write(folder)
     model, frame = ObstacleModel.load(path), frames[-1]
     times = timed_in_turn({"run": lambda: model.predict(frame.image, frame.up_cam)}, RUNS)["run"]

@@ -68,6 +68,16 @@ def rpy_from_rotation(rotation: ArrayLike) -> tuple[float, float, float]:
     return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])
 
 
+def yaw_of(attitude_q: ArrayLike) -> float:
+    """Yaw (rad) of an attitude (w, x, y, z): clockwise seen from above.
+
+    Example:
+        >>> round(yaw_of(quaternion_from_rpy(0.1, -0.2, 0.7)), 6)
+        0.7
+    """
+    return rpy_from_rotation(rotation_from_quaternion(attitude_q))[2]
+
+
 def slerp(q0: ArrayLike, q1: ArrayLike, fraction: float) -> NDArray[np.float64]:
     """Unit quaternion at `fraction` in [0, 1] of the shorter arc from q0 to q1 (Shoemake 1985)."""
     a, b = (np.asarray(q, dtype=np.float64) / np.linalg.norm(q) for q in (q0, q1))

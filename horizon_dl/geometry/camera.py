@@ -1,5 +1,6 @@
 """A camera's intrinsics, without any mathematics of lenses."""
 
+import math
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -43,3 +44,19 @@ class Camera:
             cx=(self.cx + 0.5) * sx - 0.5,
             cy=(self.cy + 0.5) * sy - 0.5,
         )
+
+    def reduced(self, max_pixels: int) -> "Camera":
+        """The same camera with its image made smaller until it has at most `max_pixels` pixels."""
+        return self.scaled(*working_size(self.width, self.height, max_pixels))
+
+
+def working_size(width: int, height: int, max_pixels: int) -> tuple[int, int]:
+    """Width and height of at most `max_pixels` pixels with an image's aspect; never enlarged.
+
+    Example:
+        >>> working_size(640, 480, 76800)
+        (320, 240)
+    """
+    scale = min(1.0, math.sqrt(max_pixels / (width * height)))
+    # The small addend keeps a size that is exact but for rounding.
+    return max(1, int(width * scale + 1e-6)), max(1, int(height * scale + 1e-6))

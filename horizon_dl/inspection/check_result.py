@@ -3,6 +3,7 @@
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
+from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.inspection.finding import Finding, Level
 from horizon_dl.inspection.image_quality import Exposure, TruthStatistics
@@ -41,7 +42,7 @@ class DataCheck:
     findings: tuple[Finding, ...] = ()
     level: Level = "ok"
     verdict: str = ""
-    overlay_views: tuple[View, ...] = field(default=(), repr=False)
+    overlay_views: tuple[tuple[FrameHeader, View], ...] = field(default=(), repr=False)
 
     def to_json(self) -> dict[str, Any]:
         """Everything but the pictures, as what `json.dumps` takes."""

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from PIL import Image
 from tqdm import tqdm
 
-from horizon_dl.data.frame import Frame, Recording
-from horizon_dl.data.images import load_frame
-from horizon_dl.data.view import View, make_view, working_size
+from horizon_dl.data.frame import FrameHeader, has_attitude
+from horizon_dl.data.source import Recording
+from horizon_dl.data.view import View, make_view
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.geometry.camera import working_size
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.findings import with_findings
 from horizon_dl.inspection.image_quality import (
@@ -48,7 +49,7 @@ class _Sample:
     pairs: list[int] = field(default_factory=list)
     shifts: list[tuple[float, float]] = field(default_factory=list)
     unreadable: list[tuple[str, str]] = field(default_factory=list)
-    views: list[View] = field(default_factory=list)
+    views: list[tuple[FrameHeader, View]] = field(default_factory=list)
     truth: NDArray[np.int64] = field(default_factory=lambda: np.zeros(5, np.int64))
 
 
@@ -90,24 +91,24 @@ def check_recording(
         >>> check.verdict  # doctest: +SKIP
         'This data can work.'
     """
-    if not recording.entries:
+    if not recording.headers:
         raise InputError(recording.name, "has no frames", "check the folder and its image list")
-    times = timing(recording.entries)
-    indices = sample_indices(len(recording.entries), max_frames)
+    times = timing(recording.headers)
+    indices = sample_indices(recording.length, max_frames)
     sample = _look(recording, indices, max_pixels, progress)
-    heights = [entry.height_m for entry in recording.entries if entry.height_m is not None]
-    labelled = [index for index, entry in enumerate(recording.entries) if entry.truth_path is not None]
+    heights = [entry.height_m for entry in recording.headers if entry.height_m is not None]
+    labelled = [index for index, entry in enumerate(recording.headers) if entry.labelled]
     check = DataCheck(
         name=recording.name,
         format=recording.format,
-        frames=len(recording.entries),
+        frames=recording.length,
         sampled=len(indices),
         unreadable=len(sample.unreadable),
         unreadable_examples=tuple(sample.unreadable[:5]),
         band_deg=math.degrees(band_rad),
         notes=tuple(recording.notes),
         timing=times,
-        attitudes=attitudes(recording.entries),
+        attitudes=attitudes(recording.headers),
         labels=label_statistics(recording, band_rad),
         exposure=exposure(sample.pictures, sample.levels, sample.followers),
         motion=_motion(recording, sample, times),
@@ -122,19 +123,19 @@ def _look(recording: Recording, indices: list[int], max_pixels: int, progress: b
     """Reads the sampled images once; those that cannot be read are noted and left out."""
     sample = _Sample()
     overlays = {indices[int(k)] for k in np.linspace(0, len(indices) - 1, OVERLAYS).round()}
-    size = working_size(recording.camera, max_pixels)
+    size = working_size(recording.calibrated.width, recording.calibrated.height, max_pixels)
     before: tuple[int, NDArray[np.uint8]] | None = None
     for index in _bar(indices, progress):
         try:
-            frame = load_frame(recording, index)
+            frame = recording.read(index)
         except FrameError as error:
-            sample.unreadable.append((recording.entries[index].name, str(error)))
+            sample.unreadable.append((recording.headers[index].name, str(error)))
             continue
         image = np.asarray(Image.fromarray(frame.image).resize(size, Image.Resampling.BOX), np.uint8)
         previous = before[1] if before is not None and before[0] == index - 1 else None
         _measure(sample, index, image, previous)
-        if index in overlays and _has_attitude(frame):
-            sample.views.append(make_view(frame, max_pixels))
+        if index in overlays and has_attitude(frame):
+            sample.views.append((recording.headers[index], make_view(frame, max_pixels)))
         before = (index, image)
     return sample
 
@@ -161,13 +162,13 @@ def _measure(
 
 
 def _motion(recording: Recording, sample: _Sample, times: Timing) -> MotionFit | None:
-    camera = recording.camera.scaled(*working_size(recording.camera, MOTION_PIXELS))
+    camera = recording.calibrated.reduced(MOTION_PIXELS)
     if not sample.pairs or camera.height < 16:
         return None
     return motion_fit(
         np.array(sample.shifts) * camera.height,
         np.array(sample.pairs),
-        predicted_shifts(recording.entries, camera),
+        predicted_shifts(recording.headers, camera),
         1.0 / times.rate_hz if times.rate_hz else None,
         camera.height,
     )
@@ -178,14 +179,10 @@ def _truth(recording: Recording, labelled: list[int]) -> TruthStatistics:
     counts = np.zeros(5, np.int64)
     for index in {labelled[int(k)] for k in np.linspace(0, len(labelled) - 1, MOST_TRUTHS).round()}:
         try:
-            counts += truth_counts(load_frame(recording, index))
+            counts += truth_counts(recording.read(index))
         except FrameError:
             continue
     return truth_statistics(len(labelled), counts)
-
-
-def _has_attitude(frame: Frame) -> bool:
-    return frame.up_cam is not None and bool(np.isfinite(frame.up_cam).all())
 
 
 def _bar(indices: list[int], progress: bool) -> Iterable[int]:

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from horizon_dl.data.frame import Recording
-from horizon_dl.data.images import load_frame
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.lines import LinePlanes, line_planes
 from horizon_dl.inspection.mount import Angle, MountFit, fit_mount
@@ -83,16 +82,16 @@ def check_mount(recording: Recording, stated_rpy_rad: Mount, *, progress: bool =
     Raises:
         InputError: the images do not tell.
     """
-    usable = [index for index, entry in enumerate(recording.entries) if entry.up_cam is not None]
+    usable = [index for index, entry in enumerate(recording.headers) if entry.up_cam is not None]
     chosen = sorted({usable[int(k)] for k in np.linspace(0, len(usable) - 1, MOST_FRAMES).round()})
     planes: list[LinePlanes] = []
     ups: list[Any] = []
     for index in tqdm(chosen, "looking for edges", unit="image", disable=not progress):
         try:
-            frame = load_frame(recording, index)
+            frame = recording.read(index)
         except FrameError:
             continue
-        planes.append(line_planes(frame.image, frame.camera))
+        planes.append(line_planes(frame.image, frame.calibrated))
         ups.append(frame.up_cam)
     fit = fit_mount(planes, ups, stated_rpy_rad)
     if fit is None or not (is_sure(fit.roll) or is_sure(fit.pitch)):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import FrameEntry
+from horizon_dl.data.frame import FrameHeader
 from horizon_dl.geometry.camera import Camera
 
 Floats = NDArray[np.float64]
@@ -44,7 +44,7 @@ class MotionFit:
     pairs: int
 
 
-def predicted_shifts(entries: Sequence[FrameEntry], camera: Camera) -> Floats:
+def predicted_shifts(entries: Sequence[FrameHeader], camera: Camera) -> Floats:
     """(n - 1, 2) shift in pixels (down positive) of the scene in the two halves, from entry to entry.
 
     A pixel of elevation e in one image is found in the next where the elevation is e again: the shift is the

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import FrameEntry, Recording
-from horizon_dl.data.view import working_size
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.source import Recording
 from horizon_dl.geometry.horizon import elevation, horizon_label
 
 Floats = NDArray[np.float64]
@@ -79,7 +79,7 @@ def percentiles(values: Floats) -> Percentiles:
     return Percentiles(*(float(value) for value in np.percentile(values, (5, 50, 95))))
 
 
-def timing(entries: Sequence[FrameEntry]) -> Timing:
+def timing(entries: Sequence[FrameHeader]) -> Timing:
     """Rate, gaps (over five times the usual step), repeated times, and steps back by order or by name."""
     times = np.array([entry.time_s for entry in entries], np.float64)
     steps = np.diff(times)
@@ -98,7 +98,7 @@ def timing(entries: Sequence[FrameEntry]) -> Timing:
     )
 
 
-def _steps_back_by_name(entries: Sequence[FrameEntry]) -> int:
+def _steps_back_by_name(entries: Sequence[FrameHeader]) -> int:
     """Names that count upwards but whose times jump back; 0 where names do not follow the time at all.
 
     Readers sort by time, so a clock that was set back shows only as names in the wrong order.
@@ -119,13 +119,13 @@ def camera_angles_deg(ups_cam: Floats) -> tuple[Floats, Floats]:
     return np.rad2deg(roll), np.rad2deg(pitch)
 
 
-def known_ups(entries: Sequence[FrameEntry]) -> Floats:
+def known_ups(entries: Sequence[FrameHeader]) -> Floats:
     """(n, 3) up_cam of the entries that have a finite one."""
     ups = [entry.up_cam for entry in entries if entry.up_cam is not None and np.isfinite(entry.up_cam).all()]
     return np.array(ups, np.float64).reshape(-1, 3)
 
 
-def attitudes(entries: Sequence[FrameEntry]) -> Attitudes | None:
+def attitudes(entries: Sequence[FrameHeader]) -> Attitudes | None:
     """Range of the camera's attitudes; None where no entry has one."""
     ups = known_ups(entries)
     if not len(ups):
@@ -138,10 +138,10 @@ def label_statistics(recording: Recording, band_rad: float) -> Labels | None:
     """Horizon labels of all entries, on a coarse grid of pixels; None where no entry has an attitude."""
     from horizon_dl.geometry.rays import camera_rays
 
-    ups = known_ups(recording.entries)
+    ups = known_ups(recording.headers)
     if not len(ups):
         return None
-    rays = camera_rays(recording.camera.scaled(*working_size(recording.camera, COARSE_PIXELS)))
+    rays = camera_rays(recording.calibrated.reduced(COARSE_PIXELS))
     valid = max(int(rays.valid.sum()), 1)
     shares = np.zeros((len(ups), 3))
     visible = np.zeros(len(ups), bool)

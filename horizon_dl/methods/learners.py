@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.config import Config
-from horizon_dl.data.frame import Recording
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.models.dropout import single_pass_p_above
@@ -28,9 +29,9 @@ REFIT_EVERY = 20
 
 
 class Method(Protocol):
-    """Anything that gives obstacle scores for a view."""
+    """Anything that gives obstacle scores for a frame, from its view or the frame itself."""
 
-    def score_maps(self, view: View) -> dict[str, Map]:
+    def score_maps(self, frame: Frame, view: View) -> dict[str, Map]:
         """Scores by name, (h, w) in [0, 1] each; learners also give `p_above`."""
         ...
 
@@ -56,7 +57,7 @@ class NetMethod:
 
     net: HorizonFCN
 
-    def score_maps(self, view: View) -> dict[str, Map]:
+    def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
         return _net_scores(self.net, view)
 
@@ -67,7 +68,7 @@ class ForestMethod:
 
     forest: HorizonForest
 
-    def score_maps(self, view: View) -> dict[str, Map]:
+    def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores but the single pass."""
         return _forest_scores(self.forest, view)
 
@@ -112,7 +113,7 @@ class NetStream:
         """The net as it predicts now."""
         return self._learner.net
 
-    def score_maps(self, view: View) -> dict[str, Map]:
+    def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
         return _net_scores(self.net, view)
 
@@ -140,7 +141,7 @@ class ForestStream:
         """Whether it has been fitted once."""
         return self._forest is not None
 
-    def score_maps(self, view: View) -> dict[str, Map]:
+    def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores but the single pass."""
         assert self._forest is not None
         return _forest_scores(self._forest, view)

@@ -1,6 +1,5 @@
 """An exported model in the place of the run folder it came from."""
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,22 +18,14 @@ from horizon_dl.uncertainty.scores import P_ABOVE, fused_score
 
 
 @dataclass(frozen=True)
-class FrameView(View):
-    """A view that still knows its frame: the file resizes the image itself."""
-
-    frame: Frame
-
-
-@dataclass(frozen=True)
 class FileMethod:
     """A model file as a method of the evaluation; it has no single pass."""
 
     model: ObstacleModel
 
-    def score_maps(self, view: View) -> dict[str, NDArray[np.float32]]:
-        """All scores of a `FrameView`."""
-        assert isinstance(view, FrameView)
-        found = self.model.predict(view.frame.image, view.frame.up_cam)
+    def score_maps(self, frame: Frame, view: View) -> dict[str, NDArray[np.float32]]:
+        """All scores; the file resizes the frame's image itself."""
+        found = self.model.predict(frame.image, frame.up_cam)
         return {
             P_ABOVE: found.p_above,
             "entropy": found.entropy,
@@ -77,9 +68,3 @@ def load_file_run(path: Path) -> FileRun:
         raise InputError(path, "was exported by another version", "export it again") from None
     info = {**model.card["trained_on"], "threshold_rule": model.card["threshold"]["rule"]}
     return FileRun(model, config, info)
-
-
-def with_frames(frames: Iterable[tuple[Frame, View]]) -> Iterator[tuple[Frame, View]]:
-    """The same pairs, with views that know their frames."""
-    for frame, view in frames:
-        yield frame, FrameView(**vars(view), frame=frame)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.methods import baselines
 
@@ -18,7 +19,7 @@ class TrainingFree:
 
     score: Callable[[View], Map]
 
-    def score_maps(self, view: View) -> dict[str, Map]:
+    def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """`score` alone, (h, w) in [0, 1]."""
         return {"score": self.score(view)}
 

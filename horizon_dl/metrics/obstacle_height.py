@@ -1,18 +1,18 @@
-"""The second truth: obstacles as the method defines them, standing on both sides of the horizon.
+"""The second truth, by height: obstacles as the method defines them, standing on both sides of the horizon.
 
 A car lower than the camera is an obstacle to a lidar's label (higher than 0.35 m), and none to the paper,
 since nothing of it is ever seen above the horizon. Where distances were measured, the obstacle pixels are
-parted into those of things that reach the camera's height and those of things that do not.
+divided into those of things that reach the camera's height and those of things that do not.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import Frame, Recording, Truth
+from horizon_dl.data.frame import Frame, Truth
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.accumulators import ScoredPixels
-from horizon_dl.metrics.range_truth import FrameRanges, nearest
+from horizon_dl.metrics.range_truth import level_ranges, nearest
 
 STRIPS = 320
 """Columns of obstacle points, over the image's width: a lidar with 0.1 to 0.2 degrees a step fills each."""
@@ -25,29 +25,21 @@ Floats = NDArray[np.float32]
 Labels = NDArray[np.uint8]
 
 
-class SecondTruth:
-    """Parts the scored obstacle pixels of a recording's frames by the ranges measured with them."""
+def by_height(frame: Frame, below: ScoredPixels) -> dict[str, ScoredPixels]:
+    """`crossing` and `low`: all floor pixels with the one or the other kind of obstacle.
 
-    def __init__(self, recording: Recording) -> None:
-        self._ranges = FrameRanges(recording)
+    Obstacle pixels without a measurement are in neither. Empty for frames without ranges or truth.
 
-    def parts(self, frame: Frame, below: ScoredPixels) -> dict[str, ScoredPixels]:
-        """`crossing` and `low`: all floor pixels with the one or the other kind of obstacle.
-
-        Obstacle pixels without a measurement are in neither. Empty for frames without range or truth.
-
-        Args:
-            frame: of the recording.
-            below: its scored pixels below the horizon.
-        """
-        range_m = self._ranges.of(frame)
-        if range_m is None or frame.truth is None or frame.up_cam is None:
-            return {}
-        kind = obstacle_kinds(frame.truth, range_m, _elevation(frame, range_m))[below.mask]
-        return {
-            name: below.keep(~below.obstacle | (kind == wanted))
-            for name, wanted in (("crossing", CROSSING), ("low", LOW))
-        }
+    Args:
+        frame: with ranges.
+        below: its scored pixels below the horizon.
+    """
+    range_m = level_ranges(frame)
+    if range_m is None or frame.truth is None or frame.up_cam is None:
+        return {}
+    kind = obstacle_kinds(frame.truth, range_m, _elevation(frame, range_m))[below.mask]
+    kinds = {"crossing": CROSSING, "low": LOW}
+    return {name: below.keep(~below.obstacle | (kind == one)) for name, one in kinds.items()}
 
 
 def obstacle_kinds(truth: Labels, range_m: Floats, elevation_rad: Floats) -> Labels:
@@ -89,4 +81,4 @@ def _tops(strip: NDArray[np.intp], distance_m: Floats, elevation_rad: Floats) ->
 def _elevation(frame: Frame, range_m: Floats) -> Floats:
     height, width = range_m.shape
     assert frame.up_cam is not None
-    return elevation(camera_rays(frame.camera.scaled(width, height)).directions, frame.up_cam)
+    return elevation(camera_rays(frame.calibrated.scaled(width, height)).directions, frame.up_cam)

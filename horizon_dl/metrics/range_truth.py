@@ -3,9 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import Frame, RangeUnit, Recording, Truth
-from horizon_dl.data.images import load_counts
-from horizon_dl.errors import FrameError
+from horizon_dl.data.frame import Frame, RangeImage, Truth
 from horizon_dl.geometry.polar import Bearings, directions_to_polar
 from horizon_dl.geometry.rays import camera_rays
 
@@ -17,49 +15,27 @@ MIN_POINTS = 3
 MIN_SHARE = 0.02
 
 
-def load_range(recording: Recording, index: int) -> Floats | None:
-    """Level distances of a frame's range image, at its own size.
+def level_ranges(frame: Frame) -> Floats | None:
+    """(h, w) metres from the camera along the floor, NaN where nothing was measured, at the ranges' own size.
 
-    Returns:
-        (h, w) metres from the camera along the floor, NaN where nothing was measured; None for frames
-        without range or attitude.
-
-    Raises:
-        FrameError: the file cannot be read.
+    None for frames without ranges or attitude.
     """
-    entry = recording.entries[index]
-    up_cam = entry.up_cam if entry.floor_up_cam is None else entry.floor_up_cam
-    if entry.range_path is None or up_cam is None:
+    if frame.ranges is None or frame.floor_normal is None:
         return None
-    counts = np.rot90(load_counts(entry.range_path), recording.rotate_quarter_turns_ccw)
-    height, width = counts.shape
-    directions = camera_rays(recording.camera.scaled(width, height)).directions
-    return level_distance(counts, entry.range_unit, directions, up_cam)
+    height, width = frame.ranges.metres.shape
+    directions = camera_rays(frame.calibrated.scaled(width, height)).directions
+    return level_distance(frame.ranges, directions, frame.floor_normal)
 
 
-class FrameRanges:
-    """The level distances measured with the frames of a recording, by frame."""
+def level_distance(ranges: RangeImage, directions: Floats, up_cam: NDArray[np.float64]) -> Floats:
+    """(h, w) metres along the floor from measured distances; NaN where there are none.
 
-    def __init__(self, recording: Recording) -> None:
-        self._recording = recording
-        self._index = {entry.name: index for index, entry in enumerate(recording.entries)}
-
-    def of(self, frame: Frame) -> Floats | None:
-        """As `load_range`; None also for a frame of another recording and for a file that cannot be read."""
-        if frame.name not in self._index:
-            return None
-        try:
-            return load_range(self._recording, self._index[frame.name])
-        except FrameError:
-            return None
-
-
-def level_distance(
-    counts: NDArray[np.uint16], unit: RangeUnit, directions: Floats, up_cam: NDArray[np.float64]
-) -> Floats:
-    """(h, w) metres along the floor from a range image's numbers; NaN where there is none."""
-    measured = np.where((counts == 0) | (counts == 65535), np.nan, counts * np.float32(unit.metres))
-    along_ray = measured / directions[..., 2] if unit.along == "axis" else measured
+    Args:
+        ranges: (h, w).
+        directions: (h, w, 3) unit rays, optical frame.
+        up_cam: (3,) the floor's normal.
+    """
+    along_ray = ranges.metres / directions[..., 2] if ranges.along == "axis" else ranges.metres
     sine = directions @ np.asarray(up_cam, np.float32)
     return np.asarray(along_ray * np.sqrt(np.clip(1 - sine**2, 0.0, 1.0)), np.float32)
 
@@ -96,7 +72,7 @@ def true_distances(frame: Frame, range_m: Floats, bearings: Bearings) -> Floats:
 
     Args:
         frame: with truth and attitude.
-        range_m: (h, w) of `load_range`; the truth is looked up at its pixels' centres.
+        range_m: (h, w) of `level_ranges`; the truth is looked up at its pixels' centres.
         bearings: zero is the optical axis.
 
     Raises:
@@ -113,19 +89,14 @@ def true_distances(frame: Frame, range_m: Floats, bearings: Bearings) -> Floats:
 
 def _sectors(frame: Frame, height: int, width: int, bearings: Bearings) -> tuple[Sectors, Floats]:
     """(h, w) sector of each pixel, `bearings.count` for none, and its depression."""
-    up_cam = floor_up(frame)
+    up_cam = frame.floor_normal
     if up_cam is None:
         raise ValueError("distances per bearing need an attitude")
-    directions = camera_rays(frame.camera.scaled(width, height)).directions
+    directions = camera_rays(frame.calibrated.scaled(width, height)).directions
     bearing, depression = directions_to_polar(directions, up_cam)
     sector = np.floor(bearing / bearings.step_rad + bearings.count / 2)
     inside = (sector >= 0) & (sector < bearings.count)
     return np.where(inside, sector, bearings.count).astype(np.int64), depression
-
-
-def floor_up(frame: Frame) -> NDArray[np.float64] | None:
-    """The floor's normal in the optical frame: the known one, else the world's up."""
-    return frame.up_cam if frame.floor_up_cam is None else frame.floor_up_cam
 
 
 def nearest(image: NDArray[np.uint8], height: int, width: int) -> NDArray[np.uint8]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame
 from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.metrics.range_truth import floor_up, true_distances
+from horizon_dl.metrics.range_truth import true_distances
 from horizon_dl.ranging.free_distance import (
     FreeDistances,
     Outcome,
@@ -69,16 +69,16 @@ class RangingTally:
         Args:
             frame: with truth, attitude and height; others are left out (None is returned).
             found: (h, w) at any size of the frame's aspect: an obstacle map (bool) or `p_above` (float).
-            range_m: (h', w') of `load_range`.
+            range_m: (h', w') of `level_ranges`.
             known: (h, w) pixels of an obstacle map that say anything; all if left out.
             floor_p: for `p_above`, see `free_distances_from_p`.
         """
-        up_cam = floor_up(frame)
+        up_cam = frame.floor_normal
         if up_cam is None or frame.height_m is None or frame.truth is None:
             return None
         truth_m = true_distances(frame, range_m, self.bearings)
         height, width = found.shape
-        directions = camera_rays(frame.camera.scaled(width, height)).directions
+        directions = camera_rays(frame.calibrated.scaled(width, height)).directions
         polar = polar_view(directions, up_cam, bearings=self.bearings)
         height_m = frame.height_m
         options: dict[str, Any] = {"connected_only": self.connected_only, "rules": self.rules}

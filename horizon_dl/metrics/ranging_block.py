@@ -1,12 +1,13 @@
 """The block `ranging` of `metrics.json`, gathered while a comparison runs."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import Frame, Recording
-from horizon_dl.metrics.range_truth import FrameRanges, true_obstacles
+from horizon_dl.data.frame import Frame, FrameHeader
+from horizon_dl.metrics.range_truth import level_ranges, true_obstacles
 from horizon_dl.metrics.ranging import RangingTally
 from horizon_dl.ranging.free_distance import p_of_entropy
 
@@ -18,20 +19,20 @@ class RangingBlock:
     """Three tallies over the frames that have a range image: all obstacles of a learner, those connected to
     the horizon, and the truth's own floor in front of them, which shows what ranging itself gets wrong.
 
-    Distances count from 0.7 to 4 m, on KITTI from 5 to 25 m.
+    Distances count from 0.7 to 4 m, those of a car (its floor has a normal of its own) from 5 to 25 m.
 
     Attributes:
         tallies: `everything`, `connected` and `true_floor`.
 
     Example:
-        >>> block = RangingBlock(recording)                    # doctest: +SKIP
+        >>> block = RangingBlock(recording.headers)                    # doctest: +SKIP
         >>> block.add(frame, p_above, threshold)               # doctest: +SKIP
         >>> metrics["ranging"] = block.metrics()               # doctest: +SKIP
     """
 
-    def __init__(self, recording: Recording) -> None:
-        near_m, far_m = ON_THE_ROAD_M if recording.format == "kitti" else INDOORS_M
-        self._ranges = FrameRanges(recording)
+    def __init__(self, headers: Sequence[FrameHeader] = ()) -> None:
+        on_the_road = any(header.floor_up_cam is not None for header in headers)
+        near_m, far_m = ON_THE_ROAD_M if on_the_road else INDOORS_M
         self.tallies = {
             "everything": RangingTally(near_m, far_m),
             "connected": RangingTally(near_m, far_m, connected_only=True),
@@ -46,7 +47,7 @@ class RangingBlock:
             p_above: (h, w) a learner's, at any size of the frame's aspect.
             threshold: the learner's entropy threshold, bits: what a floor has at most.
         """
-        range_m = self._ranges.of(frame)
+        range_m = level_ranges(frame)
         if range_m is None or frame.truth is None:
             return
         for name in ("everything", "connected"):

@@ -1,10 +1,11 @@
 """The prequential figures of the online learner: every frame is scored before it is learned from."""
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 from horizon_dl.config import Config
-from horizon_dl.data.frame import Frame, Recording
+from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.evaluation.protocols import WARM_UP_FRAMES
 from horizon_dl.metrics.accumulator_state import (
@@ -17,7 +18,7 @@ from horizon_dl.metrics.accumulator_state import (
 )
 from horizon_dl.metrics.accumulators import Tally, scored_pixels
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
-from horizon_dl.metrics.obstacle_height import SecondTruth
+from horizon_dl.metrics.obstacle_height import by_height
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.metrics.roc import RocAccumulator, RocResult
 from horizon_dl.metrics.running import RunningSides
@@ -36,7 +37,6 @@ SCORES = (
     "fused",
     "single_pass_entropy",
 )
-NOTHING_RANGED = {"median_relative_error": None, "columns": 0}
 
 
 class OnlineFigures:
@@ -49,14 +49,13 @@ class OnlineFigures:
         seen: frames that came; `predicted` could be, `learned` were learned from, `tested` scored with truth.
     """
 
-    def __init__(self, config: Config, recording: Recording | None = None) -> None:
+    def __init__(self, config: Config, headers: Sequence[FrameHeader] = ()) -> None:
         self.tally = Tally(rocs={name: RocAccumulator() for name in SCORES})
         self.sides = RunningSides()
         self.reasons: Counter[str] = Counter()
         self.seen = self.predicted = self.learned = self.tested = 0
         self._config = config
-        self._second_truth = None if recording is None else SecondTruth(recording)
-        self._ranging = None if recording is None else RangingBlock(recording)
+        self._ranging = RangingBlock(headers)
         self._entropies = RunningPercentile(config.threshold.percentile)
         self._result: RocResult | None = None
 
@@ -122,20 +121,19 @@ class OnlineFigures:
             "seeds": [self._config.seed],
             "frames": frames,
             "methods": {"cnn": method_metrics([self.tally], rule)},
-            "ranging": NOTHING_RANGED if self._ranging is None else self._ranging.metrics(),
+            "ranging": self._ranging.metrics(),
         }
 
     def snapshot(self) -> Snapshot:
         """All figures so far."""
         counts = {name: getattr(self, name) for name in ("seen", "predicted", "learned", "tested")}
         parts = {
+            "ranging": ranging_snapshot(self._ranging),
             "counts": Snapshot(values={**counts, "reasons": dict(self.reasons)}),
             "tally": tally_snapshot(self.tally),
             "sides": self.sides.snapshot(),
             "entropies": percentile_snapshot(self._entropies),
         }
-        if self._ranging is not None:
-            parts["ranging"] = ranging_snapshot(self._ranging)
         return Snapshot.join(parts)
 
     def restore(self, snapshot: Snapshot) -> None:
@@ -147,20 +145,16 @@ class OnlineFigures:
         self.tally = restored_tally(snapshot.part("tally"))
         self.sides.restore(snapshot.part("sides"))
         restore_percentile(self._entropies, snapshot.part("entropies"))
-        if self._ranging is not None:
-            restore_ranging(self._ranging, snapshot.part("ranging"))
+        restore_ranging(self._ranging, snapshot.part("ranging"))
         self._result = None
 
     def _score(self, frame: Frame, view: View, found: Measures, net: HorizonFCN) -> None:
         maps = score_maps(view, found, single_pass_p_above(net, view.image)[0])
         pixels = scored_pixels(frame)
-        others = {"above": scored_pixels(frame, above=True)}
-        if self._second_truth is not None:
-            others |= self._second_truth.parts(frame, pixels)
+        others = {"above": scored_pixels(frame, above=True), **by_height(frame, pixels)}
         self.tally.add_scores(maps, pixels, others)
         self.tally.threshold = self._entropies.value()
         self.tally.add_obstacle_map(found.entropy, self.tally.threshold, pixels)
-        if self._ranging is not None:
-            self._ranging.add(frame, found.p_above, self.tally.threshold)
+        self._ranging.add(frame, found.p_above, self.tally.threshold)
         self.tested += 1
         self._result = None

@@ -8,8 +8,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from horizon_dl.data.any_view import fits_camera, has_attitude
-from horizon_dl.data.frame import Frame
+from horizon_dl.data.frame import Frame, fits_camera, has_attitude
 from horizon_dl.evidence.exposure import exposure_problem
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.evidence.sketch import sketch_of
@@ -96,11 +95,11 @@ class StreamGuard:
             return Distrust.SIZE
         if not math.isfinite(seen.time_s) or (before and seen.time_s <= before.time_s):
             return Distrust.CLOCK
-        if seen.up_cam is None:
+        if seen.up_cam is None or frame.camera is None:
             return Distrust.NO_ATTITUDE
         if not abs(attitude_age_s) <= LATE_S:
             return Distrust.LATE
-        reason = exposure_problem(seen.sketch) or self._motion.problem(frame.camera, seen)
+        reason = exposure_problem(seen.sketch) or self._motion.problem(frame.calibrated, seen)
         return None if reason is None else Distrust(reason.value)
 
 

@@ -7,9 +7,12 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Any
 
-from horizon_dl.data.capture.stream import Arrival
+from horizon_dl.data.frame import Frame
+from horizon_dl.errors import FrameError
 from horizon_dl.online.run import OnlineRun, Seen
 from horizon_dl.runtime.latency import Latencies
+
+Item = tuple[int, Frame | FrameError]
 
 LEFT_OUT = "no time to learn"
 MOST_WAITING = 16
@@ -18,22 +21,22 @@ PREDICTIONS_A_STEP = 4
 """Where frames come too fast for any pause, learning still gets a step after so many predictions."""
 
 
-class Arrivals:
+class PacedFrames:
     """Frames at the times at which they were taken, read by a thread.
 
     Attributes:
         ended: all frames have been taken.
     """
 
-    def __init__(self, arrivals: Iterator[Arrival], speed: float) -> None:
+    def __init__(self, items: Iterator[Item], speed: float) -> None:
         self.ended = False
-        self._arrivals, self._speed = arrivals, speed
-        self._queue: queue.Queue[tuple[float, Arrival] | Exception | None] = queue.Queue(MOST_WAITING)
+        self._items, self._speed = items, speed
+        self._queue: queue.Queue[tuple[float, Item] | Exception | None] = queue.Queue(MOST_WAITING)
         self._stopped = threading.Event()
-        self._thread = threading.Thread(target=self._read, name="arrivals", daemon=True)
+        self._thread = threading.Thread(target=self._read, name="frames", daemon=True)
         self._thread.start()
 
-    def take(self, timeout_s: float) -> tuple[float, Arrival] | None:
+    def take(self, timeout_s: float) -> tuple[float, Item] | None:
         """The next frame and when it came (`time.monotonic`), or None after the timeout.
 
         Raises:
@@ -57,21 +60,22 @@ class Arrivals:
 
     def _read(self) -> None:
         first_s: float | None = None
-        start_s = time.monotonic()
+        due_s = start_s = time.monotonic()
         try:
-            for arrival in self._arrivals:
-                if first_s is None:
-                    first_s, start_s = arrival.time_s, time.monotonic()
-                due_s = start_s + (arrival.time_s - first_s) / self._speed
+            for item in self._items:
+                if not isinstance(item[1], FrameError):  # what cannot be read is due with the frame before
+                    if first_s is None:
+                        first_s, start_s = item[1].time_s, time.monotonic()
+                    due_s = start_s + (item[1].time_s - first_s) / self._speed
                 self._stopped.wait(max(0.0, due_s - time.monotonic()))
-                self._put((max(due_s, start_s), arrival))
+                self._put((max(due_s, start_s), item))
                 if self._stopped.is_set():
                     return
         except Exception as error:  # whatever a reader raises belongs to the caller
             self._put(error)
         self._put(None)
 
-    def _put(self, item: tuple[float, Arrival] | Exception | None) -> None:
+    def _put(self, item: tuple[float, Item] | Exception | None) -> None:
         while not self._stopped.is_set():
             try:
                 return self._queue.put(item, timeout=0.1)
@@ -86,9 +90,9 @@ class RealTime:
         latencies: from a frame's arrival to its prediction.
     """
 
-    def __init__(self, run: OnlineRun, arrivals: Arrivals) -> None:
+    def __init__(self, run: OnlineRun, frames: PacedFrames) -> None:
         self.latencies = Latencies()
-        self._run, self._arrivals = run, arrivals
+        self._run, self._frames = run, frames
         self._open: deque[Seen] = deque()
         self._waiting: Seen | None = None
         self._learning: tuple[Seen, Iterator[None]] | None = None
@@ -98,21 +102,22 @@ class RealTime:
         """Do the most urgent thing; False when all is done."""
         idle = self._learning is None and self._waiting is None
         starved = not idle and self._in_a_row >= PREDICTIONS_A_STEP
-        found = None if starved else self._arrivals.take(0.05 if idle else 0.0)
+        found = None if starved else self._frames.take(0.05 if idle else 0.0)
         if found is not None:
-            self._predict(*found)
+            came_s, (index, item) = found
+            self._predict(came_s, index, item)
         elif not idle:
             self._learn()
-        elif self._arrivals.ended:
+        elif self._frames.ended:
             return False
         self._close()
         if self._learning is None and self._waiting is None:
             self._checkpoint()
         return True
 
-    def _predict(self, came_s: float, arrival: Arrival) -> None:
+    def _predict(self, came_s: float, index: int, item: Frame | FrameError) -> None:
         self._in_a_row += 1
-        seen = self._run.see(arrival)
+        seen = self._run.see(index, item)
         self.latencies.add(time.monotonic() - came_s)
         self._open.append(seen)
         if seen.not_learned is None:
@@ -167,19 +172,19 @@ def run_in_real_time(run: OnlineRun, speed: float) -> dict[str, Any]:
     """Predict every frame that is left when it comes; learn from the newest one whenever there is time.
 
     Args:
-        run: its stream's times count.
+        run: its source's times count.
         speed: 2 plays twice as fast.
 
     Returns:
         milliseconds from arrival to prediction, and the speed.
     """
-    arrivals = Arrivals(run.arrivals(), speed)
-    real_time = RealTime(run, arrivals)
+    frames = PacedFrames(run.items(), speed)
+    real_time = RealTime(run, frames)
     try:
         while not run.stopped and real_time.turn():
             pass
     finally:
-        run.stream.stop()
-        arrivals.stop()
+        run.source.stop()
+        frames.stop()
     real_time.finish()
     return {"speed": speed, **real_time.latencies.summary()}

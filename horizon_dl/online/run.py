@@ -11,11 +11,10 @@ from safetensors import SafetensorError
 from tqdm import tqdm
 
 from horizon_dl.config import Config
-from horizon_dl.data.any_view import any_view
-from horizon_dl.data.capture.stream import Arrival, Stream
-from horizon_dl.data.frame import Recording
-from horizon_dl.data.view import View
-from horizon_dl.errors import InputError
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.source import FrameSource, Recording, calibrated
+from horizon_dl.data.view import View, any_view
+from horizon_dl.errors import FrameError, InputError
 from horizon_dl.online.figures import OnlineFigures
 from horizon_dl.online.guard import Distrust, StreamGuard
 from horizon_dl.online.periodic_export import HotExport
@@ -33,7 +32,8 @@ class Seen:
     """A frame that was predicted.
 
     Attributes:
-        arrival: the frame.
+        index: place in the source, from 0.
+        item: the frame, or why its image could not be read.
         view: at the working size; None where the image could not be read.
         not_learned: why it is not learned from, or None.
         predict_s: time the prediction took.
@@ -42,7 +42,8 @@ class Seen:
         settled: nothing more happens to it.
     """
 
-    arrival: Arrival
+    index: int
+    item: Frame | FrameError
     view: View | None
     not_learned: str | None
     predict_s: float = 0.0
@@ -55,11 +56,10 @@ class OnlineRun:
     """One run over a stream, which goes on from the checkpoint in its folder if there is one.
 
     Args:
-        stream: where frames come from.
+        source: where frames come from.
         config: must be that of the checkpoint.
         folder: of the run.
-        recording: of the stream, where it is one, for range truth.
-        max_frames: of the stream, counted from its beginning.
+        max_frames: of the source, counted from its beginning.
         export_every_s: seconds between fresh model files; None: no files.
         restart: throw an earlier run in the folder away.
         progress: show a progress bar.
@@ -70,46 +70,46 @@ class OnlineRun:
 
     def __init__(
         self,
-        stream: Stream,
+        source: FrameSource,
         config: Config,
         folder: Path,
         *,
-        recording: Recording | None = None,
         max_frames: int | None = None,
         export_every_s: float | None = None,
         restart: bool = False,
         progress: bool = False,
     ) -> None:
-        self.stream, self.config, self.folder = stream, config, folder
+        self.source, self.config, self.folder = source, config, folder
         self.learner = OnlineLearner(config, config.seed)
         self.guard = StreamGuard()
-        self.figures = OnlineFigures(config, recording)
-        self.keeper = RunKeeper(folder, stream, config, restart=restart)
+        self.figures = OnlineFigures(config, source.headers if isinstance(source, Recording) else ())
+        self.keeper = RunKeeper(folder, source, config, restart=restart)
         self.stopped = False
         self._max_frames = max_frames
-        self._export = None if export_every_s is None else HotExport(folder, stream.camera, export_every_s)
+        self._camera = calibrated(source)
+        self._export = None if export_every_s is None else HotExport(folder, self._camera, export_every_s)
         if self.keeper.found is not None:
             self._restore(self.keeper.found)
         self.position = self.keeper.position
         if self.keeper.found is None:
             self.keeper.save_first(self._snapshot())
         self.keeper.found = None  # its tensors are in use or copied: a replay memory is not held twice
-        total = stream.count if max_frames is None else min(max_frames, stream.count or max_frames)
+        total = source.length if max_frames is None else min(max_frames, source.length or max_frames)
         self._bar = tqdm(
             desc="online", total=total, initial=self.position, unit="frame", disable=not progress
         )
         self._rate_hz: float | None = None
         self._last_s = time.perf_counter()
 
-    def arrivals(self) -> Iterator[Arrival]:
-        """The frames that are left."""
+    def items(self) -> Iterator[tuple[int, Frame | FrameError]]:
+        """The frames that are left, with their places in the source."""
         left = None if self._max_frames is None else max(0, self._max_frames - self.position)
-        return islice(self.stream.arrivals(self.position), left)
+        return enumerate(islice(self.source.frames(self.position), left), self.position)
 
     def run(self) -> None:
         """Predict and learn from every frame that is left, as fast as it goes."""
-        for arrival in self.arrivals():
-            seen = self.see(arrival)
+        for index, item in self.items():
+            seen = self.see(index, item)
             for _ in self.learning(seen):
                 pass
             self.settle(seen)
@@ -122,21 +122,20 @@ class OnlineRun:
         """End after the frame at work; from any thread or a signal."""
         self.stopped = True
 
-    def see(self, arrival: Arrival) -> Seen:
+    def see(self, index: int, item: Frame | FrameError) -> Seen:
         """Predict a frame, score the prediction, and judge whether to learn from it."""
         self.figures.seen += 1
-        frame = arrival.frame
-        if frame is None:
-            return Seen(arrival, None, Distrust.UNREADABLE)
-        view = any_view(frame, self.config.image.max_pixels)
+        if isinstance(item, FrameError):
+            return Seen(index, item, None, Distrust.UNREADABLE)
+        view = any_view(item, self.config.image.max_pixels)
         start = time.perf_counter()
         found = self.learner.predict(view)
         took_s = time.perf_counter() - start
         self.figures.timed(took_s)
-        reason = self.guard.check(frame)
+        reason = self.guard.check(item)
         if reason is None or not reason.spoils_horizon:
-            self.figures.predicted_frame(arrival.index, frame, view, found, self.learner.net)
-        return Seen(arrival, view, reason, took_s)
+            self.figures.predicted_frame(index, item, view, found, self.learner.net)
+        return Seen(index, item, view, reason, took_s)
 
     def learning(self, seen: Seen) -> Iterator[None]:
         """Learn from a frame if it can be trusted, one step at a time."""
@@ -158,7 +157,7 @@ class OnlineRun:
     def settle(self, seen: Seen) -> None:
         """Close a frame: count it, write its line, move the bar; frames are settled in their order."""
         seen.settled = True
-        self.position = seen.arrival.index + 1
+        self.position = seen.index + 1
         self.figures.settled(seen.not_learned)
         now_s = time.perf_counter()
         rate = 1.0 / max(now_s - self._last_s, 1e-6)
@@ -167,7 +166,7 @@ class OnlineRun:
         )
         self._last_s = now_s
         line = self._line(seen)
-        self.keeper.line(line, seen.arrival.index)
+        self.keeper.line(line, seen.index)
         shown = {"accuracy": line["horizon_accuracy"], "loss": line["loss"]}
         self._bar.set_postfix({k: f"{v:.3f}" for k, v in shown.items() if v is not None}, refresh=False)
         self._bar.update()
@@ -193,12 +192,12 @@ class OnlineRun:
         if not self.figures.learned:
             reasons = ", ".join(f"{reason}: {n}" for reason, n in self.figures.reasons.items())
             problem = f"has no frame to learn from ({reasons or 'it is empty'})"
-            raise InputError(self.stream.name, problem, "see `horizon-dl check-data`")
+            raise InputError(self.source.name, problem, "see `horizon-dl check-data`")
         run = self.learner.frozen({**self._info(), **more})()
         try:
             with output_folder(self.folder) as folder:
                 save_run(folder, run)
-                write_json(folder / "metrics.json", self.figures.metrics(self.stream.name))
+                write_json(folder / "metrics.json", self.figures.metrics(self.source.name))
         except (OSError, SafetensorError) as error:
             problem = f"cannot be written ({getattr(error, 'strerror', None) or error})"
             raise InputError(self.folder, problem, "make room; the same command then goes on") from None
@@ -210,9 +209,9 @@ class OnlineRun:
 
     def _info(self) -> dict[str, Any]:
         return {
-            "data": self.stream.name,
-            "format": self.stream.format,
-            "camera": asdict(self.stream.camera),
+            "data": self.source.name,
+            "format": self.source.format,
+            "camera": asdict(self._camera),
             "frames": self.figures.learned,
             "online": {
                 **self.figures.counts(),
@@ -226,9 +225,9 @@ class OnlineRun:
     def _line(self, seen: Seen) -> dict[str, Any]:
         auc, within = self.figures.auc()
         return {
-            "index": seen.arrival.index,
-            "name": seen.arrival.name,
-            "time_s": finite(seen.arrival.time_s),
+            "index": seen.index,
+            "name": str(seen.item.args[0]) if isinstance(seen.item, FrameError) else seen.item.name,
+            "time_s": None if isinstance(seen.item, FrameError) else finite(seen.item.time_s),
             "learned": seen.not_learned is None,
             "not_learned": seen.not_learned,
             "loss": finite(seen.loss),

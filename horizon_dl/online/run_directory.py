@@ -10,7 +10,7 @@ from filelock import FileLock, Timeout
 from tqdm import tqdm
 
 from horizon_dl.config import Config
-from horizon_dl.data.capture.stream import Stream
+from horizon_dl.data.source import FrameSource
 from horizon_dl.errors import InputError
 from horizon_dl.online.frame_log import FrameLog
 from horizon_dl.online.tensorboard_log import TensorBoardLog
@@ -30,10 +30,10 @@ class RunKeeper:
         failed: checkpoints that could not be written.
     """
 
-    def __init__(self, folder: Path, stream: Stream, config: Config, *, restart: bool = False) -> None:
+    def __init__(self, folder: Path, source: FrameSource, config: Config, *, restart: bool = False) -> None:
         self.folder = folder
         self.failed = 0
-        self._identity = {"data": stream.name, "format": stream.format, "config": _identity(config)}
+        self._identity = {"data": source.name, "format": source.format, "config": _identity(config)}
         self._settings = config.online
         try:
             folder.mkdir(parents=True, exist_ok=True)

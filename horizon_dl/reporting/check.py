@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.output import write_text
@@ -44,10 +45,10 @@ def overlay(view: View, band_rad: float, width: int = OVERLAY_WIDTH) -> Image:
 def write_check(check: DataCheck, out: Path) -> None:
     """Writes `check.json`, `overlays/*.jpg` and `index.html` into a folder."""
     band_rad = float(np.deg2rad(check.band_deg))
-    pictures = [(view, overlay(view, band_rad)) for view in check.overlay_views]
+    pictures = [(header, overlay(view, band_rad)) for header, view in check.overlay_views]
     write_text(out / "check.json", json.dumps(check.to_json(), indent=1) + "\n")
-    for number, (view, picture) in enumerate(pictures):
-        save_panel(out / "overlays" / f"{number:02d}_{Path(view.name).stem}.jpg", picture)
+    for number, (header, picture) in enumerate(pictures):
+        save_panel(out / "overlays" / f"{number:02d}_{Path(header.name).stem}.jpg", picture)
     write_report(out / "index.html", f"Check of {check.name}", _sections(check, pictures), _subtitle(check))
 
 
@@ -55,7 +56,7 @@ def _subtitle(check: DataCheck) -> str:
     return f"{check.frames} frames, format {check.format}; {check.sampled} images looked at"
 
 
-def _sections(check: DataCheck, pictures: list[tuple[View, Image]]) -> list[Section]:
+def _sections(check: DataCheck, pictures: list[tuple[FrameHeader, Image]]) -> list[Section]:
     sections: list[Section] = [
         Text(check.verdict, lead=True),
         Heading("Findings"),
@@ -70,8 +71,8 @@ def _sections(check: DataCheck, pictures: list[tuple[View, Image]]) -> list[Sect
                 "meet. If it misses them in every picture, the mount is wrong; if in some, the clock."
             ),
             *(
-                Figure(image_bytes(picture, "JPEG"), f"{view.name}, {view.time_s:.2f} s")
-                for view, picture in pictures
+                Figure(image_bytes(picture, "JPEG"), f"{header.name}, {header.time_s:.2f} s")
+                for header, picture in pictures
             ),
         ]
     if check.unreadable_examples:

@@ -80,12 +80,12 @@ def comparison_panel(scored: ScoredFrame) -> Image:
     )
 
 
-def prediction_panel(prediction: Prediction, frame: Frame | None, threshold: float) -> Image:
+def prediction_panel(prediction: Prediction, frame: Frame, threshold: float) -> Image:
     """Image, classification, uncertainty, obstacle map; distances and truth where the frame has them."""
     found, view = prediction.measures, prediction.view
-    ranges = None if frame is None else ranges_of(frame, found.p_above, threshold)
+    ranges = ranges_of(frame, found.p_above, threshold)
     row = PanelRow("", found.p_above, found.entropy, prediction.obstacles, ranges=ranges)
-    return frame_panel(view.image, view.elevation, [row], prediction.truth, title=view.name)
+    return frame_panel(view.image, view.elevation, [row], frame.truth, title=frame.name)
 
 
 def ranges_of(frame: Frame, p_above: Floats, threshold: float) -> Image | None:
@@ -93,7 +93,7 @@ def ranges_of(frame: Frame, p_above: Floats, threshold: float) -> Image | None:
     if frame.height_m is None:
         return None
     height, width = p_above.shape
-    directions = camera_rays(frame.camera.scaled(width, height)).directions
+    directions = camera_rays(frame.calibrated.scaled(width, height)).directions
     return range_picture(frame, directions, p_above.astype(np.float32), threshold)
 
 

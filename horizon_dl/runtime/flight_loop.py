@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.capture.camera import LatestPicture, Picture
+from horizon_dl.data.capture.newest import NewestFrame
+from horizon_dl.data.frame import Frame
+from horizon_dl.errors import FrameError
 from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation, up_in_camera
 from horizon_dl.ranging.free_distance import FreeDistances
 from horizon_dl.runtime.latency import Latencies
@@ -76,13 +78,23 @@ class Fly:
         self._stop = threading.Event()
         self._error: Exception | None = None
 
-    def run(self, pictures: Iterator[Picture], duration_s: float | None = None) -> None:
-        """Fly until the pictures end, the time is over, or `stop` is called; the last message is "unknown".
+    def run(
+        self,
+        frames: Iterator[Frame | FrameError] | Iterator[Frame],
+        duration_s: float | None = None,
+        stop_source: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Fly until the frames end, the time is over, or `stop` is called; the last message is "unknown".
+
+        Args:
+            frames: as they come.
+            duration_s: end after this time.
+            stop_source: ends `frames` from another thread.
 
         Raises:
-            Exception: whatever ended the pictures, such as InputError for a camera that is not there.
+            Exception: whatever ended the frames, such as InputError for a camera that is not there.
         """
-        slot = LatestPicture(pictures, self.watchdog.camera)
+        slot = NewestFrame(frames, self.watchdog.camera, stop_source)
         threads = [
             threading.Thread(target=self._guarded, args=(target,), name=name, daemon=True)
             for target, name in ((self._listen, "autopilot"), (self._report, "timer"))
@@ -93,9 +105,9 @@ class Fly:
         slot.start()
         try:
             while not (self._stop.is_set() or self._clock() >= end_s):
-                picture = slot.take(0.1)
-                if picture is not None:
-                    self.look(picture)
+                frame = slot.take(0.1)
+                if frame is not None:
+                    self.look(frame)
                 elif slot.ended:
                     break
         finally:
@@ -117,24 +129,24 @@ class Fly:
         """End the flight soon; from any thread."""
         self._stop.set()
 
-    def look(self, picture: Picture) -> None:
-        """One picture to sectors; an error of the model is the watchdog's, not the loop's."""
-        pose = self._pose(picture)
+    def look(self, frame: Frame) -> None:
+        """One frame to sectors; an error of the model is the watchdog's, not the loop's."""
+        pose = self._pose(frame)
         if pose is None:
             self.without_attitude += 1
-            self._newest = _Sighted(picture.time_s, None)
+            self._newest = _Sighted(frame.time_s, None)
             return
         up_cam, yaw_rad, height_m = pose
-        floor = picture.floor_up_cam if self._settings.recorded_attitude else None
+        floor = frame.floor_up_cam if self._settings.recorded_attitude else None
         try:
-            found = self._sighting.look(picture.time_s, picture.image, up_cam, yaw_rad, height_m, floor)
+            found = self._sighting.look(frame.time_s, frame.image, up_cam, yaw_rad, height_m, floor)
         except Exception as error:  # onnxruntime raises kinds of its own; flying on blind would be worse
             self.watchdog.model_failed(type(error).__name__)
-            self._newest = _Sighted(picture.time_s, None)
+            self._newest = _Sighted(frame.time_s, None)
             return
         self.looked_at += 1
-        self._newest = _Sighted(picture.time_s, found)
-        self.watchdog.result(picture.time_s)
+        self._newest = _Sighted(frame.time_s, found)
+        self.watchdog.result(frame.time_s)
 
     def message_cm(self) -> NDArray[np.uint16]:
         """(72,) what is to be sent now."""
@@ -161,19 +173,19 @@ class Fly:
             "heartbeats": self.autopilot.heartbeats,
         }
 
-    def _pose(self, picture: Picture) -> tuple[NDArray[np.float64], float, float | None] | None:
+    def _pose(self, frame: Frame) -> tuple[NDArray[np.float64], float, float | None] | None:
         """`up_cam`, yaw and height at the picture's time; None where the attitude is not known."""
         fixed_m = self._settings.height_m
         if self._settings.recorded_attitude:
-            if picture.up_cam is None:
+            if frame.up_cam is None:
                 return None
             self.watchdog.attitude()
-            return picture.up_cam, 0.0, picture.height_m if fixed_m is None else fixed_m
-        attitude = self.autopilot.attitude_at(picture.time_s, self._stop)
+            return frame.up_cam, 0.0, frame.height_m if fixed_m is None else fixed_m
+        attitude = self.autopilot.attitude_at(frame.time_s, self._stop)
         if attitude is None:
             return None
         yaw_rad = rpy_from_rotation(rotation_from_quaternion(attitude))[2]
-        height_m = self.autopilot.buffer.height_at(picture.time_s) if fixed_m is None else fixed_m
+        height_m = self.autopilot.buffer.height_at(frame.time_s) if fixed_m is None else fixed_m
         return up_in_camera(attitude, self._settings.mount_rpy_rad), yaw_rad, height_m
 
     def _guarded(self, target: Callable[[], None]) -> None:

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import Recording
-from horizon_dl.data.images import load_frame, load_rgb
-from horizon_dl.data.source import Source
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.source import FrameSource
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.model import ObstacleModel, Outputs
@@ -26,17 +25,13 @@ class FileOutputs:
     """What a model file says of one frame.
 
     Attributes:
-        name: the frame's name.
-        image: (H, W, 3) uint8 RGB.
+        frame: what was looked at.
         outputs: of the model.
-        truth: (H, W) uint8, or None.
         ranges: distances per bearing, drawn; None without attitude or height.
     """
 
-    name: str
-    image: NDArray[np.uint8]
+    frame: Frame
     outputs: Outputs
-    truth: NDArray[np.uint8] | None = None
     ranges: Image | None = None
 
     def arrays(self) -> dict[str, Any]:
@@ -60,21 +55,20 @@ class FileOutputs:
         """Image, classification, uncertainty, obstacle map; distances and truth where there are any."""
         found = self.outputs
         row = PanelRow("", found.p_above, found.entropy, self.small_obstacles(), ranges=self.ranges)
-        return frame_panel(self.image, found.elevation, [row], self.truth, title=self.name)
+        return frame_panel(self.frame.image, found.elevation, [row], self.frame.truth, title=self.frame.name)
 
 
-def predict_source(model: ObstacleModel, source: Source) -> Iterator[FileOutputs | FrameError]:
+def predict_source(model: ObstacleModel, source: FrameSource) -> Iterator[FileOutputs | FrameError]:
     """Every frame, or the error of one that cannot be used.
 
     Raises:
-        InputError: the data set was taken with another camera than the model was exported for.
+        InputError: the source has another camera than the model was exported for.
     """
-    if isinstance(source, Recording):
+    if source.camera is not None:
         check_camera(model, source.camera, source.name)
-        rays = model_rays(model)
-        yield from (_of_entry(model, rays, source, index) for index in range(len(source.entries)))
-    else:
-        yield from (_of_picture(model, path) for path in source)
+    rays = model_rays(model)
+    for item in source.frames():
+        yield item if isinstance(item, FrameError) else _of_frame(model, rays, item)
 
 
 def check_camera(model: ObstacleModel, camera: Camera, where: str | Path) -> None:
@@ -110,26 +104,14 @@ def _size(camera: Camera) -> str:
     return f"{camera.width}x{camera.height}"
 
 
-def _of_entry(
-    model: ObstacleModel, rays: NDArray[np.float32], recording: Recording, index: int
-) -> FileOutputs | FrameError:
-    try:
-        frame = load_frame(recording, index)
-    except FrameError as error:
-        return error
+def _of_frame(model: ObstacleModel, rays: NDArray[np.float32], frame: Frame) -> FileOutputs | FrameError:
+    if frame.image.shape[:2] != (model.camera.height, model.camera.width):
+        problem = (
+            f"is {frame.image.shape[1]}x{frame.image.shape[0]} pixels, the model takes {_size(model.camera)}"
+        )
+        return FrameError(frame.name, problem, "export for this size with `horizon-dl export RUN --size`")
     found = model.predict(frame.image, frame.up_cam)
     ranges = None
     if frame.height_m is not None:
         ranges = range_picture(frame, rays, found.p_above, model.threshold)
-    return FileOutputs(frame.name, frame.image, found, frame.truth, ranges)
-
-
-def _of_picture(model: ObstacleModel, path: Path) -> FileOutputs | FrameError:
-    try:
-        image = load_rgb(path)
-    except FrameError as error:
-        return error
-    if image.shape[:2] != (model.camera.height, model.camera.width):
-        problem = f"is {image.shape[1]}x{image.shape[0]} pixels, the model takes {_size(model.camera)}"
-        return FrameError(path, problem, "export for this size with `horizon-dl export RUN --size`")
-    return FileOutputs(path.name, image, model.predict(image, None))
+    return FileOutputs(frame, found, ranges)

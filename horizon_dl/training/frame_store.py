@@ -7,8 +7,8 @@ import numpy as np
 from tqdm import tqdm
 
 from horizon_dl.config import Config
-from horizon_dl.data.frame import Frame, Recording
-from horizon_dl.data.images import load_frame
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View, make_view
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.training.crops import TrainingFrame
@@ -39,7 +39,7 @@ class FrameStore:
     def read(self, index: int) -> tuple[Frame, View] | FrameError:
         """One frame, or why it cannot be used."""
         try:
-            frame = load_frame(self.recording, index)
+            frame = self.recording.read(index)
             return frame, make_view(frame, self.config.image.max_pixels)
         except FrameError as error:
             return error
@@ -53,7 +53,7 @@ class FrameStore:
         for index, result in results:
             self._tried.add(index)
             if isinstance(result, FrameError):
-                self.skipped[self.recording.entries[index].name] = str(result)
+                self.skipped[self.recording.headers[index].name] = str(result)
                 self._stop_if_too_many()
             else:
                 yield result

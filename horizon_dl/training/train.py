@@ -17,7 +17,7 @@ from torch.utils.data import DataLoader
 from tqdm import tqdm
 
 from horizon_dl.config import Config, TrainerConfig
-from horizon_dl.data.frame import Recording
+from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import p_above_of_all_depths, sample_p_above
@@ -125,7 +125,7 @@ def train_run(
 ) -> Run:
     """Train on all frames of a recording and choose the threshold; the result is ready to be saved."""
     store = FrameStore(recording, config)
-    indices = range(len(recording.entries))
+    indices = range(recording.length)
     start = time.perf_counter()
     net = train_net(store, indices, seed=config.seed, log_dir=log_dir, progress=progress)
     return finished_run(net, store, time.perf_counter() - start)
@@ -134,11 +134,11 @@ def train_run(
 def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
     """A net trained on all frames of a recording, with its threshold and what is known of its training."""
     recording, config = store.recording, store.config
-    indices = range(len(recording.entries))
+    indices = range(recording.length)
     info = {
         "data": recording.name,
         "format": recording.format,
-        "camera": asdict(recording.camera),
+        "camera": asdict(recording.calibrated),
         "frames": len(indices) - len(store.skipped),
         "skipped": store.skipped,
         "train_s": train_s,

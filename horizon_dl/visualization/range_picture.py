@@ -40,7 +40,7 @@ def range_picture(
     Returns:
         (h, w, 3) uint8 RGB; also None where the camera looks straight up or down.
     """
-    up_cam = frame.up_cam if frame.floor_up_cam is None else frame.floor_up_cam
+    up_cam = frame.floor_normal
     if frame.up_cam is None or up_cam is None:
         return None
     vehicle = DRONE if frame.floor_up_cam is None else CAR

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from horizon_dl.data.frame import Recording
-from horizon_dl.data.images import load_frame
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.runtime.perception import PictureModel, model_rays
 from horizon_dl.visualization.colours import Image
@@ -60,9 +59,9 @@ def drawn_frames(model: PictureModel, recording: Recording) -> Iterator[Image]:
     """Every usable frame, drawn at the model's working size (even sides); zero is the optical axis."""
     rays = model_rays(model)
     height, width = (side - side % 2 for side in rays.shape[:2])
-    for index in range(len(recording.entries)):
+    for index in range(recording.length):
         try:
-            frame = load_frame(recording, index)
+            frame = recording.read(index)
         except FrameError:
             continue
         if frame.up_cam is not None:
@@ -74,6 +73,6 @@ def drawn_frames(model: PictureModel, recording: Recording) -> Iterator[Image]:
 
 def frames_per_second(recording: Recording) -> float:
     """The recording's median rate, at most 60; 10 where it cannot be told."""
-    times = np.array([entry.time_s for entry in recording.entries])
+    times = np.array([entry.time_s for entry in recording.headers])
     period_s = float(np.median(np.diff(times))) if len(times) > 1 else 0.1
     return min(FASTEST_HZ, 1.0 / period_s) if period_s > 0 else 10.0

@@ -10,18 +10,20 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import Fields, load_yaml
 from horizon_dl.data.calibration.calibration_kinds import body_from_camera, euroc_sensor
-from horizon_dl.data.frame import FrameEntry, Recording
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.imu import estimate_up
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
     beside,
     by_time,
     check_overlap,
-    finished,
     read_lines,
     read_numbers,
     relative_name,
 )
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import bracket, interpolate, rotation_from_quaternion, unit
 
@@ -38,7 +40,7 @@ def recognises(folder: Path) -> bool:
     return _root(folder) is not None
 
 
-def read(folder: Path) -> Recording:
+def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     """Opens one sequence.
 
     Raises:
@@ -54,23 +56,20 @@ def read(folder: Path) -> Recording:
     images = read_images(root / "cam0" / "data.csv")
     image_times = np.array([stamp * NANOSECOND for stamp, _ in images])
     source, up_body, note = up_in_body(root, image_times)
-    entries = []
+    frames = []
     for (stamp, name), up in zip(images, up_body, strict=True):
         path = root / "cam0" / "data" / name
-        entries.append(
-            FrameEntry(
-                name=relative_name(path, folder),
-                time_s=stamp * NANOSECOND,
-                image_path=path,
-                up_cam=None if up is None else unit(cam_from_body @ up),
-                truth_path=beside(root, "labels", path.stem) or beside(root.parent, "labels", path.stem),
-            )
-        )
-    return Recording(
-        name=root.resolve().parent.name,
-        format=NAME,
-        camera=camera,
-        entries=finished(source, entries, source.parent.name),
+        up_cam = None if up is None else unit(cam_from_body @ up)
+        header = FrameHeader(relative_name(path, folder), stamp * NANOSECOND, up_cam)
+        labels = beside(root, "labels", path.stem) or beside(root.parent, "labels", path.stem)
+        frames.append((header, FrameFiles(path, labels)))
+    return image_recording(
+        root.resolve().parent.name,
+        NAME,
+        camera,
+        frames,
+        where=source,
+        attitude_from=source.parent.name,
         notes=(note,) if note else (),
     )
 

@@ -8,8 +8,11 @@ import math
 from pathlib import Path
 
 from horizon_dl.data.calibration.calibration import read_calibration
-from horizon_dl.data.frame import FrameEntry, Recording
-from horizon_dl.data.readers.parsing import beside, column, finished, read_table
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.image_folder import FrameFiles, image_recording
+from horizon_dl.data.readers.parsing import beside, column, read_table
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 
@@ -23,7 +26,7 @@ def recognises(folder: Path) -> bool:
     return (folder / "frames.csv").is_file()
 
 
-def read(folder: Path) -> Recording:
+def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     """Opens the set.
 
     Raises:
@@ -36,7 +39,7 @@ def read(folder: Path) -> Recording:
     roll, pitch, yaw, height = (
         column(table, rows, name) for name in ("roll_rad", "pitch_rad", "yaw_rad", "height_m")
     )
-    entries = []
+    frames = []
     for index, row in enumerate(rows):
         if not row.get("image") or not math.isfinite(times[index]):
             raise InputError(table, f"row {index + 1} has no image or no time", "complete or remove the row")
@@ -46,21 +49,22 @@ def read(folder: Path) -> Recording:
         up_cam = None
         if math.isfinite(sum(angles)):
             up_cam = up_in_camera(quaternion_from_rpy(*angles), calibration.mount_rpy_rad)
-        entries.append(
-            FrameEntry(
-                name=row["image"],
-                time_s=float(times[index]),
-                image_path=path,
-                up_cam=up_cam,
-                height_m=float(height[index]) if math.isfinite(height[index]) else None,
-                truth_path=beside(folder, "labels", path.stem),
-                range_path=beside(folder, "depth", path.stem),
-            )
+        header = FrameHeader(
+            name=row["image"],
+            time_s=float(times[index]),
+            up_cam=up_cam,
+            yaw_rad=float(yaw[index]) if math.isfinite(yaw[index]) else None,
+            height_m=float(height[index]) if math.isfinite(height[index]) else None,
         )
-    return Recording(
-        name=folder.resolve().name,
-        format=NAME,
-        camera=calibration.camera,
-        entries=finished(table, entries, "the columns roll_rad and pitch_rad"),
+        truth, depth = beside(folder, "labels", path.stem), beside(folder, "depth", path.stem)
+        frames.append((header, FrameFiles(path, truth, depth)))
+    return image_recording(
+        folder.resolve().name,
+        NAME,
+        calibration.camera,
+        frames,
+        where=table,
+        attitude_from="the columns roll_rad and pitch_rad",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+        mount_rpy_rad=calibration.mount_rpy_rad,
     )

@@ -11,8 +11,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import FrameEntry, RangeUnit, Recording
-from horizon_dl.data.readers.parsing import beside, finished, images_in, read_lines, relative_name
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
+from horizon_dl.data.readers.parsing import beside, images_in, read_lines, relative_name
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import rotation_from_rpy, unit
 from horizon_dl.geometry.camera import Camera
@@ -39,7 +42,7 @@ def drives_below(folder: Path) -> list[Path]:
     return sorted(p for p in places if (p / "image_02" / "data").is_dir() and (p / "oxts").is_dir())
 
 
-def read(folder: Path) -> Recording:
+def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     """Opens one drive.
 
     Raises:
@@ -57,25 +60,27 @@ def read(folder: Path) -> Recording:
     places = (drive, drive.absolute().parent)
     with_calibration = (place for place in places if (place / CALIBRATION).is_file())
     camera, cam_from_imu = calibration(next(with_calibration, places[1]))
-    entries = [
-        FrameEntry(
-            name=relative_name(image, folder),
-            time_s=time_s,
-            image_path=image,
-            up_cam=up_of_frame(drive / "oxts" / "data" / f"{image.stem}.txt", cam_from_imu),
-            height_m=CAMERA_HEIGHT_M,
-            truth_path=beside(drive, "labels", image.stem),
-            range_path=beside(drive, "range", image.stem),
-            range_unit=RANGE_UNIT,
-            floor_up_cam=unit(cam_from_imu @ [0.0, 0.0, 1.0]),
-        )
-        for image, time_s in zip(images, times, strict=True)
-    ]
-    return Recording(drive.resolve().name, NAME, camera, finished(drive, entries, "oxts/data"))
+    floor_up_cam = unit(cam_from_imu @ [0.0, 0.0, 1.0])
+    frames = []
+    for image, time_s in zip(images, times, strict=True):
+        up_cam, yaw_rad = pose_of_frame(drive / "oxts" / "data" / f"{image.stem}.txt", cam_from_imu)
+        name = relative_name(image, folder)
+        header = FrameHeader(name, time_s, up_cam, yaw_rad, CAMERA_HEIGHT_M, floor_up_cam)
+        truth, ranges = beside(drive, "labels", image.stem), beside(drive, "range", image.stem)
+        frames.append((header, FrameFiles(image, truth, ranges)))
+    return image_recording(
+        drive.resolve().name,
+        NAME,
+        camera,
+        frames,
+        where=drive,
+        attitude_from="oxts/data",
+        range_unit=RANGE_UNIT,
+    )
 
 
-def up_of_frame(path: Path, cam_from_imu: Floats) -> Floats | None:
-    """The world's up in the rectified camera from one oxts file; None where it is missing or not numeric.
+def pose_of_frame(path: Path, cam_from_imu: Floats) -> tuple[Floats | None, float | None]:
+    """The world's up in the rectified camera and the yaw from one oxts file; None where it is missing.
 
     oxts angles are about x forward, y left, z up (dataformat.txt: roll > 0 left side up, pitch > 0 front
     down, yaw > 0 counter-clockwise from east). Turning both the body and the world by half a turn about x
@@ -85,8 +90,8 @@ def up_of_frame(path: Path, cam_from_imu: Floats) -> Floats | None:
         roll, pitch, yaw = (float(cell) for cell in path.read_text(encoding="ascii").split()[3:6])
         down_from_body = rotation_from_rpy(roll, -pitch, -yaw)
     except (OSError, ValueError):
-        return None
-    return unit(cam_from_imu @ FRD_FROM_FLU @ down_from_body.T @ [0.0, 0.0, -1.0])
+        return None, None
+    return unit(cam_from_imu @ FRD_FROM_FLU @ down_from_body.T @ [0.0, 0.0, -1.0]), -yaw
 
 
 def calibration(folder: Path) -> tuple[Camera, Floats]:

@@ -13,19 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import read_calibration
-from horizon_dl.data.frame import FrameEntry, Recording
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
     beside,
     check_overlap,
     column,
-    finished,
     images_in,
     read_lines,
     read_table,
 )
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy, up_in_camera
+from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy, up_in_camera, yaw_of
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +53,7 @@ def flights_in(folder: Path) -> list[tuple[Path, Path]]:
     return [(place, log) for place, log in pairs if log is not None and _images(place)]
 
 
-def read(folder: Path) -> Recording:
+def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     """Opens one flight; frames on the ground are left out.
 
     Raises:
@@ -70,31 +72,32 @@ def read(folder: Path) -> Recording:
     times, quaternions, heights, flying = read_log(log)
     check_overlap(log, image_times, times)
     labels = _near(place, "labels").parent
-    entries = []
+    frames = []
     for path, time_s in zip(images, image_times.tolist(), strict=True):
         height = float(np.interp(time_s, times, heights))
         if np.interp(time_s, times, flying) < 0.5 or (math.isfinite(height) and height <= IN_FLIGHT_M):
             continue
         attitude = interpolate(times, quaternions, time_s, MAX_GAP_S)
-        entries.append(
-            FrameEntry(
-                name=f"{place.name}/{path.name}",
-                time_s=time_s,
-                image_path=path,
-                up_cam=None if attitude is None else up_in_camera(attitude, calibration.mount_rpy_rad),
-                height_m=height if math.isfinite(height) else None,
-                truth_path=beside(labels, "labels", path.stem),
-            )
+        header = FrameHeader(
+            name=f"{place.name}/{path.name}",
+            time_s=time_s,
+            up_cam=None if attitude is None else up_in_camera(attitude, calibration.mount_rpy_rad),
+            yaw_rad=None if attitude is None else yaw_of(attitude),
+            height_m=height if math.isfinite(height) else None,
         )
-    left_out = len(images) - len(entries)
-    if not entries:
+        frames.append((header, FrameFiles(path, beside(labels, "labels", path.stem))))
+    left_out = len(images) - len(frames)
+    if not frames:
         raise InputError(log, f"all {left_out} images were taken on the ground", "give a log of a flight")
-    return Recording(
-        name=place.resolve().name,
-        format=NAME,
-        camera=calibration.camera,
-        entries=finished(log, entries, "the log"),
+    return image_recording(
+        place.resolve().name,
+        NAME,
+        calibration.camera,
+        frames,
+        where=log,
+        attitude_from="the log",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+        mount_rpy_rad=calibration.mount_rpy_rad,
         notes=(f"{left_out} of {len(images)} images left out: on the ground",) if left_out else (),
     )
 

@@ -3,18 +3,17 @@
 import csv
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import FrameEntry
 from horizon_dl.errors import InputError
 
 Floats = NDArray[np.float64]
 
-IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".ppm", ".pgm", ".tif", ".tiff")
+IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".ppm", ".pgm", ".tif", ".tiff", ".webp")
 MAX_GAP_S = 0.2
 """Longest gap between two attitude samples that is bridged; robots turn too much in longer ones."""
 
@@ -136,31 +135,6 @@ def beside(folder: Path, kind: str, stem: str) -> Path | None:
 def relative_name(path: Path, folder: Path) -> str:
     """Path relative to the recording's folder, with forward slashes on every system."""
     return path.relative_to(folder).as_posix()
-
-
-def finished(where: Path, entries: Iterable[FrameEntry], what: str) -> tuple[FrameEntry, ...]:
-    """Entries in time order, checked: there are some, and at least one has an attitude.
-
-    Args:
-        where: file or folder that is to be mended.
-        entries: in any order.
-        what: the source of the attitude, in words for the error.
-
-    Raises:
-        InputError: no frames, no image on disk, or no attitude at any frame's time.
-    """
-    ordered = tuple(sorted(entries, key=lambda entry: entry.time_s))
-    if not ordered:
-        raise InputError(where, "holds no frames", "check that the images were copied")
-    if not any(entry.image_path.is_file() for entry in ordered):
-        raise InputError(
-            where,
-            f"none of the {len(ordered)} images is there, as {ordered[0].name}",
-            "copy the images beside it",
-        )
-    if all(entry.up_cam is None for entry in ordered):
-        raise InputError(where, f"no frame has an attitude from {what}", "check that its values are numbers")
-    return ordered
 
 
 def check_overlap(where: Path, image_times_s: Floats, log_times_s: Floats) -> None:

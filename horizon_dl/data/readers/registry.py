@@ -1,10 +1,11 @@
-"""Opens a folder of any known format."""
+"""Opens a recording of any known format: the readers, in the order in which they are asked."""
 
 from pathlib import Path
 from typing import Protocol
 
-from horizon_dl.data.frame import Recording
-from horizon_dl.data.readers import euroc, images_csv, kitti, paparazzi, tum
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.readers import euroc, film, image_files, images_csv, kitti, paparazzi, tum
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 
 
@@ -14,44 +15,44 @@ class Reader(Protocol):
     NAME: str
     NEEDS: str
 
-    def recognises(self, folder: Path) -> bool:
-        """Whether the folder looks like this format."""
+    def recognises(self, path: Path) -> bool:
+        """Whether the file or folder looks like this format."""
 
-    def read(self, folder: Path) -> Recording:
-        """Opens the set."""
+    def read(self, path: Path, given: Given) -> Recording:
+        """Opens the recording."""
 
 
-MODULES: tuple[Reader, ...] = (images_csv, kitti, paparazzi, tum, euroc)
+MODULES: tuple[Reader, ...] = (images_csv, kitti, paparazzi, tum, euroc, film, image_files)
 READERS = {reader.NAME: reader for reader in MODULES}
 FORMATS: tuple[str, ...] = tuple(READERS)
 
 
-def open_recording(folder: Path, format: str | None = None) -> Recording:
-    """The recording in a folder, its format recognised or named.
+def open_recording(path: Path, format: str | None = None, given: Given = NOTHING_GIVEN) -> Recording:
+    """The recording in a file or folder, its format recognised or named.
 
     Raises:
-        InputError: no such folder, a format that is not known or not recognised, or a fault in the set.
+        InputError: no such path, a format that is not known or not recognised, or a fault in the data.
     """
-    folder = Path(folder)
-    if not folder.is_dir():
-        problem = "is a file" if folder.exists() else "does not exist"
-        raise InputError(folder, problem, "give the folder of a data set")
+    path = Path(path)
+    if not path.exists():
+        raise InputError(path, "does not exist", "give the file or folder of a recording")
     if format is None:
-        format = recognise(folder)
+        format = recognise(path)
     if format not in READERS:
         raise InputError(f"--format {format}", "is not known", "choose one of " + ", ".join(FORMATS))
-    return READERS[format].read(folder)
+    return READERS[format].read(path, given)
 
 
-def recognise(folder: Path) -> str:
-    """Name of the first format that the folder looks like.
+def recognise(path: Path) -> str:
+    """Name of the first format that the path looks like.
 
     Raises:
         InputError: none; the error lists what each format needs.
     """
     for name, reader in READERS.items():
-        if reader.recognises(folder):
+        if reader.recognises(path):
             return name
     needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in READERS.items())
-    problem = "is empty" if not any(folder.iterdir()) else "is not a data set of a known format"
-    raise InputError(folder, problem, f"needed is one of: {needs}")
+    empty = path.is_dir() and not any(path.iterdir())
+    problem = "is empty" if empty else "is not a recording of a known format"
+    raise InputError(path, problem, f"needed is one of: {needs}")

@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
-from horizon_dl.data.frame import FrameEntry, RangeUnit, Recording
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
     beside,
     by_time,
     check_overlap,
-    finished,
     read_lines,
     read_numbers,
 )
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import bracket, interpolate, rotation_from_quaternion, unit
 from horizon_dl.geometry.camera import Camera
@@ -49,7 +51,7 @@ def recognises(folder: Path) -> bool:
     return (folder / "rgb.txt").is_file()
 
 
-def read(folder: Path) -> Recording:
+def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     """Opens one sequence.
 
     Raises:
@@ -64,32 +66,27 @@ def read(folder: Path) -> Recording:
     usable = np.linalg.norm(poses[:, 3:7], axis=-1) > 1e-6
     times, poses = times[usable], poses[usable]
     check_overlap(truth, np.array([time_s for time_s, _ in images]), times)
-    entries = []
+    frames = []
     for time_s, name in images:
-        up_cam, height_m = pose_at(times, poses, time_s)
-        entries.append(
-            FrameEntry(
-                name=name,
-                time_s=time_s,
-                image_path=folder / name,
-                up_cam=up_cam,
-                height_m=height_m,
-                truth_path=beside(folder, "labels", Path(name).stem),
-                range_path=nearest_depth(folder, depths, time_s),
-                range_unit=RANGE_UNIT,
-            )
-        )
-    return Recording(
-        name=folder.resolve().name,
-        format=NAME,
-        camera=calibration.camera,
-        entries=finished(truth, entries, "groundtruth.txt"),
+        header = FrameHeader(name, time_s, *pose_at(times, poses, time_s))
+        labels = beside(folder, "labels", Path(name).stem)
+        frames.append((header, FrameFiles(folder / name, labels, nearest_depth(folder, depths, time_s))))
+    return image_recording(
+        folder.resolve().name,
+        NAME,
+        calibration.camera,
+        frames,
+        where=truth,
+        attitude_from="groundtruth.txt",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+        range_unit=RANGE_UNIT,
     )
 
 
-def pose_at(times_s: Floats, poses: Floats, time_s: float) -> tuple[Floats | None, float | None]:
-    """Up in the camera (3,) and height (m) at a time; None outside of the trajectory.
+def pose_at(
+    times_s: Floats, poses: Floats, time_s: float
+) -> tuple[Floats | None, float | None, float | None]:
+    """Up in the camera (3,), yaw (rad) and height (m) at a time; None outside of the trajectory.
 
     Args:
         times_s: (N,) s.
@@ -99,9 +96,11 @@ def pose_at(times_s: Floats, poses: Floats, time_s: float) -> tuple[Floats | Non
     place = bracket(times_s, time_s, MAX_GAP_S)
     attitude = interpolate(times_s, poses[:, [6, 3, 4, 5]], time_s, MAX_GAP_S)
     if place is None or attitude is None:
-        return None, None
+        return None, None, None
     height = float(np.interp(time_s, times_s, poses[:, 2]))
-    return unit(rotation_from_quaternion(attitude).T @ UP_WORLD), height
+    world_from_cam = rotation_from_quaternion(attitude)
+    forward = world_from_cam[:, 2]
+    return unit(world_from_cam.T @ UP_WORLD), -float(np.arctan2(forward[1], forward[0])), height
 
 
 def read_list(path: Path) -> list[tuple[float, str]]:

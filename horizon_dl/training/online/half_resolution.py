@@ -46,7 +46,7 @@ def coarse_target(
         (h, w) in [0, 1]; 0 where nothing is known.
     """
     size = elevation.shape
-    small = View("", 0.0, area_resize(image, (size[1], size[0])), elevation)
+    small = View(area_resize(image, (size[1], size[0])), elevation)
     p_above = None if guide is None else p_above_of_all_depths(guide, image, size)
     target = np.nan_to_num(make_target(config.target.kind, small, p_above)).astype(np.float16)
     return doubled(target, image.shape[:2])

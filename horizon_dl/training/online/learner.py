@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from horizon_dl.config import Config
-from horizon_dl.data.any_view import any_view
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.view import View
+from horizon_dl.data.view import View, any_view
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import sample_p_above, single_pass_p_above
 from horizon_dl.models.fcn import HorizonFCN
@@ -89,7 +88,7 @@ class OnlineLearner:
 
         A frame without attitude is predicted, too; its surprisal means nothing.
         """
-        view = any_view(seen, self.config.image.max_pixels)
+        view = self._view(seen)
         return net_measures(self.net, view.image, view.elevation > 0)
 
     def p_above_samples(self, view: View) -> Map:
@@ -114,7 +113,7 @@ class OnlineLearner:
 
         So a prediction that is urgent can come between two steps. No checkpoint may.
         """
-        view = any_view(seen, self.config.image.max_pixels)
+        view = self._view(seen)
         guide = self.net if self.frames >= FIRST_GUIDED_FRAME else None
         newest = coarse_frame(view, self.config, guide)
         if not newest.counts.any():
@@ -182,6 +181,9 @@ class OnlineLearner:
         self._rng.bit_generator.state = own.values["random"]
         self.frames, self.dropped, self._taken = (own.values[name] for name in ("frames", "dropped", "taken"))
         self.memory.restore(snapshot.part("memory"))
+
+    def _view(self, seen: View | Frame) -> View:
+        return seen if isinstance(seen, View) else any_view(seen, self.config.image.max_pixels)
 
     def _learning_rate(self) -> float:
         """High at first, then as one over the number of steps, to a floor."""

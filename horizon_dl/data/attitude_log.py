@@ -1,0 +1,118 @@
+"""Attitudes over time, from a log: what a film or a folder of images lacks."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.readers.parsing import MAX_GAP_S, by_time, column, read_table
+from horizon_dl.data.source import MountRpy
+from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import bracket, interpolate, quaternion_from_rpy, up_in_camera, yaw_of
+
+Floats = NDArray[np.float64]
+
+COLUMNS = ("time_s", "roll_rad", "pitch_rad", "yaw_rad")
+
+
+@dataclass(frozen=True)
+class AttitudeLog:
+    """Attitudes of the body (FRD in NED), sorted by time.
+
+    Attributes:
+        times_s: (N,) s, on the log's clock.
+        quaternions: (N, 4) unit, (w, x, y, z).
+        heights_m: (N,) metres of the camera over the floor, NaN where not known; None: nowhere.
+    """
+
+    times_s: Floats
+    quaternions: Floats
+    heights_m: Floats | None = None
+
+    def header(self, name: str, time_s: float, mount_rpy_rad: MountRpy, offset_s: float = 0.0) -> FrameHeader:
+        """What the log knows of a frame; gaps of over 0.2 s are not bridged.
+
+        Args:
+            name: of the frame.
+            time_s: of the frame, on its own clock.
+            mount_rpy_rad: of the camera in the body.
+            offset_s: the frames' clock less the log's.
+        """
+        attitude = interpolate(self.times_s, self.quaternions, time_s - offset_s, MAX_GAP_S)
+        if attitude is None:
+            return FrameHeader(name, time_s)
+        return FrameHeader(
+            name,
+            time_s,
+            up_in_camera(attitude, mount_rpy_rad),
+            yaw_of(attitude),
+            self._height_at(time_s - offset_s),
+        )
+
+    def _height_at(self, time_s: float) -> float | None:
+        place = bracket(self.times_s, time_s, MAX_GAP_S)
+        if self.heights_m is None or place is None:
+            return None
+        height_m = float(np.interp(time_s, self.times_s, self.heights_m))
+        return height_m if np.isfinite(height_m) and height_m > 0 else None
+
+
+@dataclass(frozen=True)
+class ConstantAttitude:
+    """An attitude that stays: a tripod, a cart, a car on a level road."""
+
+    roll_rad: float
+    pitch_rad: float
+
+    def header(self, name: str, time_s: float, mount_rpy_rad: MountRpy, offset_s: float = 0.0) -> FrameHeader:
+        """As of `AttitudeLog.header`, at any time."""
+        attitude = quaternion_from_rpy(self.roll_rad, self.pitch_rad, 0.0)
+        return FrameHeader(name, time_s, up_in_camera(attitude, mount_rpy_rad), 0.0)
+
+
+def read_attitude(given: str) -> AttitudeLog | ConstantAttitude:
+    """What `--attitude` names: `constant:ROLL,PITCH` in degrees, or the file of a log.
+
+    Raises:
+        InputError: the angles are no angles, or the file cannot be read.
+
+    Example:
+        >>> round(read_attitude("constant:0,-90").pitch_rad, 3)
+        -1.571
+    """
+    kind, _, rest = given.partition(":")
+    return _constant(rest) if kind == "constant" else read_attitude_csv(Path(given))
+
+
+def _constant(angles: str) -> ConstantAttitude:
+    try:
+        roll, pitch = (float(angle) for angle in angles.split(","))
+    except ValueError:
+        roll = pitch = math.nan
+    if not (abs(roll) <= 180 and abs(pitch) <= 90):
+        problem = "are no roll and pitch in degrees"
+        raise InputError(f"--attitude constant:{angles}", problem, "give for example constant:0,-10")
+    return ConstantAttitude(math.radians(roll), math.radians(pitch))
+
+
+def read_attitude_csv(path: Path) -> AttitudeLog:
+    """The attitude log in a CSV file with the columns time_s, roll_rad, pitch_rad, yaw_rad, height_m.
+
+    Rows without an attitude are left out; yaw and height may be missing.
+
+    Raises:
+        InputError: missing, a column is missing, or no row has an attitude.
+    """
+    rows = read_table(path, COLUMNS[:3])
+    times_s, roll, pitch, yaw, height = (column(path, rows, name) for name in (*COLUMNS, "height_m"))
+    angles = np.stack([roll, pitch, np.nan_to_num(yaw)], axis=-1)
+    good = np.isfinite(times_s) & np.isfinite(angles).all(axis=-1)
+    times_s, samples = by_time(times_s[good], np.column_stack([angles, np.nan_to_num(height)])[good])
+    if not len(times_s):
+        raise InputError(path, "holds no attitude", "check that its values are numbers")
+    quaternions = np.array([quaternion_from_rpy(*row) for row in samples[:, :3]])
+    heights = samples[:, 3]
+    return AttitudeLog(times_s, quaternions, heights if np.isfinite(height).any() else None)

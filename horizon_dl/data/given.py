@@ -1,0 +1,24 @@
+"""What a user gives beside the data: what the data itself lacks."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Given:
+    """Options that mean the same in every verb; None: the data has it, or nobody does.
+
+    Attributes:
+        camera: a calibration file, `--camera`.
+        attitude: `--attitude`: a log's file, `constant:ROLL,PITCH` in degrees, or `from-images`.
+        time_offset_s: `--time-offset`: is added to the times of the log to give those of the images.
+        needs_attitude: a recording without any attitude is refused.
+    """
+
+    camera: Path | None = None
+    attitude: str | None = None
+    time_offset_s: float = 0.0
+    needs_attitude: bool = True
+
+
+NOTHING_GIVEN = Given()
