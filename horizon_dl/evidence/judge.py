@@ -72,6 +72,8 @@ class Judge:
         elevation: NDArray[np.float32],
         found: FreeDistances,
         polar: PolarView,
+        *,
+        doubts: tuple[Reason, ...] = (),
     ) -> Judged:
         """One frame.
 
@@ -83,11 +85,13 @@ class Judge:
             elevation: (h, w) rad over the horizon.
             found: the sectors that follow from `p_above`.
             polar: the cells that they came from.
+            doubts: why the frame is not to be believed, known beforehand.
         """
         judged = self.judge_picture(time_s, image, p_above, elevation, found, polar)
         seen = Seen(time_s, sketch_of(image), np.asarray(up_cam, np.float64))
         moved = self._motion_problem(seen)
-        reasons = judged.reasons if moved is None else (moved, *judged.reasons)
+        moves = () if moved is None else (moved,)
+        reasons = (*doubts, *moves, *judged.reasons)
         # A picture that shows nothing cannot be compared with; a frozen one does not belong to its attitude.
         self._motion.remember(seen, believed=not reasons, frozen=moved is Reason.FROZEN)
         judged = replace(judged, reasons=reasons)

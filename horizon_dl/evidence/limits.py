@@ -25,6 +25,7 @@ class EvidenceLimits:
         least_sky: share of the pixels on each side of the horizon that a horizon needs to be judged by.
         least_horizon_accuracy: balanced accuracy of the known side; one that says the same everywhere has
             0.5, whatever it says.
+        least_trained_accuracy: mean of that over the training pictures, under which no net is flown.
         horizon_margin: below the worst training frame by this much is worse than a net may be.
         proof_s: a horizon out of view is bridged for so long by what was proved before.
         strangeness: how far a picture may lie outside of the training pictures, in their own ranges.
@@ -48,6 +49,7 @@ class EvidenceLimits:
     band_rad: float = math.radians(3.0)
     least_sky: float = 0.02
     least_horizon_accuracy: float = 0.65
+    least_trained_accuracy: float = 0.75
     horizon_margin: float = 0.02
     proof_s: float = 2.0
     strangeness: float = 0.35

@@ -4,7 +4,7 @@ Calibrated when a net is trained, kept in the card of its file.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,8 @@ LEVELS = 16
 """Of each channel; a colour is familiar if it or a neighbour among 16 x 16 x 16 was seen."""
 RARE = 5e-5
 """Share of the training pixels below which a colour counts as never seen."""
+LOG_RANGE = (-2.0, 8.0)
+"""All that the logarithms of changes in grey levels can be."""
 VERSION = 1
 
 
@@ -29,12 +31,14 @@ class Place:
         high: greatest of each.
         colours: (16, 16, 16) bool, familiar colours below the horizon.
         frames: how many pictures tell so.
+        horizon_accuracy: of the net on them, mean; tells a net that has not learned enough.
     """
 
     low: tuple[float, ...]
     high: tuple[float, ...]
     colours: NDArray[np.bool_]
     frames: int
+    horizon_accuracy: float
 
     def strangeness(self, features: NDArray[np.floating]) -> tuple[float, str]:
         """How far a picture lies outside of the ranges, in ranges, and by which feature; 0 inside.
@@ -55,16 +59,24 @@ class Place:
         worst = self.low[FEATURES.index("horizon_accuracy")]
         return max(limits.least_horizon_accuracy, worst - limits.horizon_margin)
 
+    def at_another_size(self) -> "Place":
+        """For pictures of another size than those of the training: what depends on the size says nothing."""
+        low, high = list(self.low), list(self.high)
+        for name in ("fine", "coarse"):
+            low[FEATURES.index(name)], high[FEATURES.index(name)] = LOG_RANGE
+        return replace(self, low=tuple(low), high=tuple(high))
+
     def unfamiliar(self, image: NDArray[np.uint8]) -> NDArray[np.bool_]:
         """(h, w) pixels of colours that were not seen below the horizon."""
         red, green, blue = np.moveaxis(image // (256 // LEVELS), -1, 0)
-        return ~self.colours[red, green, blue]
+        return np.asarray(~self.colours[red, green, blue])
 
     def to_card(self) -> dict[str, Any]:
         """Ready for JSON."""
         return {
             "version": VERSION,
             "frames": self.frames,
+            "horizon_accuracy": self.horizon_accuracy,
             "ranges": {name: [a, b] for name, a, b in zip(FEATURES, self.low, self.high, strict=True)},
             "colours": np.packbits(self.colours).tobytes().hex(),
         }
@@ -82,14 +94,16 @@ class Place:
             pairs = [card["ranges"][name] for name in FEATURES]
             ranges = np.array([[float(value) for value in pair] for pair in pairs])
             bits = np.unpackbits(np.frombuffer(bytes.fromhex(card["colours"]), np.uint8))
-            frames = int(card["frames"])
+            frames, accuracy = int(card["frames"]), float(card["horizon_accuracy"])
         except (KeyError, TypeError, ValueError):
             raise ValueError("has damaged evidence limits") from None
         good = ranges.shape == (len(FEATURES), 2) and bits.size == LEVELS**3 and np.isfinite(ranges).all()
+        good = good and 0 <= accuracy <= 1
         if not good or (ranges[:, 0] > ranges[:, 1]).any() or frames < 1:
             raise ValueError("has damaged evidence limits")
         colours = bits.astype(np.bool_).reshape(LEVELS, LEVELS, LEVELS)
-        return cls(tuple(ranges[:, 0].tolist()), tuple(ranges[:, 1].tolist()), colours, frames)
+        low, high = ranges.T.tolist()
+        return cls(tuple(low), tuple(high), colours, frames, accuracy)
 
 
 @dataclass
@@ -118,7 +132,13 @@ class PlaceCalibration:
             return None
         low, high = np.nanmin(features, axis=0), np.nanmax(features, axis=0)
         seen = self._counts > RARE * self._counts.sum()
-        return Place(tuple(low.tolist()), tuple(high.tolist()), with_neighbours(seen), len(features))
+        return Place(
+            tuple(low.tolist()),
+            tuple(high.tolist()),
+            with_neighbours(seen),
+            len(features),
+            float(np.nanmean(features[:, FEATURES.index("horizon_accuracy")])),
+        )
 
 
 def with_neighbours(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:

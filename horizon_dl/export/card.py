@@ -8,6 +8,7 @@ from safetensors.torch import save
 
 from horizon_dl.config import Config
 from horizon_dl.data.source import Recording
+from horizon_dl.evidence.place import Place
 from horizon_dl.geometry.camera import Camera, working_size
 from horizon_dl.models.build import parameter_count
 from horizon_dl.models.features import FEATURE_NAMES
@@ -85,6 +86,7 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
         "trained_camera": camera_is_trained(info, camera),
         "trained_with": info.get("versions"),
         "weights_sha256": weights_hash(run),
+        "evidence": evidence_for(run, camera),
         **_common(config, camera, run.threshold, info.get("threshold_rule")),
     }
 
@@ -136,6 +138,19 @@ def _common(config: Config, camera: Camera, threshold: float, rule: str | None) 
         "licence": LICENCE,
         "patents": PATENTS,
     }
+
+
+def evidence_for(run: Run, camera: Camera) -> dict[str, Any] | None:
+    """The limits of the training pictures for another camera's; None for a run of before they were kept."""
+    card, max_pixels = run.info.get("evidence"), run.config.image.max_pixels
+    if card is None:
+        return None
+    trained = camera_from_card(run.info) if "camera" in run.info else camera
+    same = working_size(camera.width, camera.height, max_pixels) == working_size(
+        trained.width, trained.height, max_pixels
+    )
+    place = Place.from_card(card)
+    return (place if same else place.at_another_size()).to_card()
 
 
 def camera_is_trained(info: dict[str, Any], camera: Camera) -> bool:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.runtime.acceptance import checked_place, checked_threshold, smoke_test
 from horizon_dl.runtime.checksum import read_sealed
 
 INPUTS = ("image", "up_cam")
@@ -57,6 +58,7 @@ class ObstacleModel:
     Attributes:
         card: what the file says of itself; its keys are described in `exports/README.md`.
         camera: of the upright images it takes.
+        place: what its training pictures were like; None in files of before that was kept.
         size: (w, h), the working size.
         threshold: entropy above which a pixel is an obstacle, bits.
         sha256: the file's hash, as in its seal.
@@ -72,12 +74,15 @@ class ObstacleModel:
         self.card = card
         self.sha256 = sha256
         self.camera = camera_from_card(card)
+        self.place = checked_place(card)
         self.size: tuple[int, int] = (card["working_size"][0], card["working_size"][1])
-        self.threshold = float(card["threshold"]["value"])
+        self.threshold = checked_threshold(card)
 
     @classmethod
     def load(cls, path: str | Path, threads: int = 1) -> "ObstacleModel":
-        """Check a file's seal and make it ready; nothing in it is executed but its ONNX operators.
+        """Check a file's seal, make it ready and try it on made-up pictures.
+
+        Nothing in it is executed but its ONNX operators.
 
         Raises:
             InputError: no such file, another kind of file, cut off, altered, or without its card.
@@ -97,6 +102,12 @@ class ObstacleModel:
         )
         if names != (INPUTS, OUTPUTS):
             raise InputError(path, "has other inputs or outputs than expected", "export it again")
+        try:
+            problem = smoke_test(model)
+        except Exception as error:  # onnxruntime again, or a card of another size than the graph
+            problem = f"cannot be run ({str(error).splitlines()[0]})"
+        if problem is not None:
+            raise InputError(path, problem, "train longer, or export it again")
         return model
 
     def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Outputs:

@@ -24,6 +24,7 @@ from horizon_dl.models.dropout import p_above_of_all_depths, sample_p_above
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.crops import TrainingFrame, training_frame
 from horizon_dl.training.distributed import SyncBatchNorm
+from horizon_dl.training.evidence import EVIDENCE_FRAMES, evidence_card
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.run_folder import Run
@@ -144,6 +145,9 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "train_s": train_s,
         "threshold": entropy_threshold(net, store, indices),
         "threshold_rule": f"percentile-{config.threshold.percentile:g}",
+        "evidence": evidence_card(
+            net, ((view.image, view.elevation) for view in store.views(evenly(indices, EVIDENCE_FRAMES)))
+        ),
     }
     return Run(net.eval(), config, info)
 
