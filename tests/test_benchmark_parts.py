@@ -73,7 +73,7 @@ def test_shade_is_floor_darker_than_the_frame_s_floor():
     image[:, 1] = 50
     image[:, 2] = 70
     camera = Camera("pinhole", 8, 8, 8.0, 8.0, 3.5, 3.5)
-    frame = Frame("a", 0.0, image, camera, np.array([0.0, -1.0, 0.0]), None, truth)
+    frame = Frame("a", 0.0, np.array([0.0, -1.0, 0.0]), image=image, camera=camera, truth=truth)
     pixels = scored_pixels(frame)
     lit, shade = lit_and_shaded(frame, pixels)
     columns = np.nonzero(pixels.mask)[1]

@@ -208,7 +208,7 @@ def test_time_gap_and_doubled_times(tmp_path: Path) -> None:
 
 def test_clock_set_back_shows_in_the_names() -> None:
     times = [*np.arange(30) * 0.1, *(np.arange(30) * 0.1 + 0.55)]
-    entries = [FrameHeader(f"i/{n}.png", t, Path("x"), None) for n, t in enumerate(times)]
+    entries = [FrameHeader(f"i/{n}.png", t) for n, t in enumerate(times)]
     assert timing(sorted(entries, key=lambda entry: entry.time_s)).backwards == 1
     shuffled = np.random.default_rng(0).permutation(60)
     named_at_random = [replace(entry, name=f"i/{k}.png") for entry, k in zip(entries, shuffled, strict=True)]
@@ -219,12 +219,12 @@ def test_clock_set_back_shows_in_the_names() -> None:
 def test_missing_attitudes_are_counted(good_set: Path) -> None:
     recording = open_recording(good_set)
     some = [replace(entry, up_cam=None) if n % 3 else entry for n, entry in enumerate(recording.headers)]
-    check = check_recording(replace(recording, entries=some))
+    check = check_recording(replace(recording, headers=some))
     assert check.attitudes is not None
     assert check.attitudes.missing == 40
     assert "most frames have no attitude" in check.verdict
     none = [replace(entry, up_cam=None) for entry in recording.headers]
-    check = check_recording(replace(recording, entries=none))
+    check = check_recording(replace(recording, headers=none))
     assert check.verdict == "This data cannot work because no frame has an attitude."
     assert attitudes(none) is None
 
@@ -288,7 +288,7 @@ def test_camera_on_its_side(tmp_path: Path) -> None:
 
 def test_no_frames_is_an_input_error(good_set: Path) -> None:
     with pytest.raises(InputError, match="has no frames"):
-        check_recording(replace(open_recording(good_set), entries=[]))
+        check_recording(replace(open_recording(good_set), headers=[]))
 
 
 def test_sampling_takes_pairs_of_neighbours() -> None:
@@ -370,7 +370,7 @@ def test_shifted_clock_of_real_sets_is_found(data_dir: Path, name: str) -> None:
     ups = [entry.up_cam for entry in recording.headers]
     late = [replace(entry, up_cam=ups[max(n - 2, 0)]) for n, entry in enumerate(recording.headers)]
     assert not levels(check_recording(recording, max_frames=120), "The images move as the attitude of")
-    check = check_recording(replace(recording, entries=late), max_frames=120)
+    check = check_recording(replace(recording, headers=late), max_frames=120)
     assert check.motion is not None
     assert check.timing.rate_hz is not None
     assert check.motion.best_lag_s == pytest.approx(2 / check.timing.rate_hz)

@@ -85,4 +85,4 @@ def test_a_film_needs_a_model_file_and_a_data_set(tmp_path: Path, capsys: Any) -
     picture = next((embedded_set() / "images").iterdir())
     arguments = ["predict", str(REFERENCE), str(picture), "--out", str(tmp_path / "p"), "--video", "f.mp4"]
     assert main(arguments) == 2
-    assert "needs an exported model and a data set" in capsys.readouterr().err
+    assert "needs an exported model and a camera" in capsys.readouterr().err

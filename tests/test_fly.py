@@ -6,6 +6,7 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 os.environ["MAVLINK20"] = "1"
 from pymavlink.dialects.v20 import common
 
-from horizon_dl.data.capture.camera import LatestPicture, Picture
+from horizon_dl.data.capture.newest import NewestFrame
+from horizon_dl.data.frame import Frame
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
@@ -122,11 +124,11 @@ def decoded(sent: list[bytes], kind: str = "OBSTACLE_DISTANCE") -> list[Any]:
     return [message for message in messages if message.get_type() == kind]
 
 
-def pictures(count: int, period_s: float = 0.02) -> Iterator[Picture]:
+def pictures(count: int, period_s: float = 0.02) -> Iterator[Frame]:
     up = up_in_camera(LEVEL, MOUNT)
     for _ in range(count):
         time.sleep(period_s)
-        yield Picture(time.monotonic(), np.zeros((60, 80, 3), np.uint8), up, HEIGHT_M)
+        yield Frame("a", time.monotonic(), up, height_m=HEIGHT_M, image=np.zeros((60, 80, 3), np.uint8))
 
 
 def sighting(model: WallModel | None = None) -> Sighting:
@@ -184,12 +186,12 @@ def test_a_stall_is_unknown_within_half_a_second_and_recovers(stalled: str) -> N
                 line.incoming += [attitude(mav, time.monotonic()), rangefinder(mav, HEIGHT_M)]
             time.sleep(0.01)
 
-    def see() -> Iterator[Picture]:
+    def see() -> Iterator[Frame]:
         for picture in pictures(1000):
             if flying._stop.is_set():
                 return
             if not (broken.is_set() and stalled == "camera"):
-                yield Picture(picture.time_s, picture.image)
+                yield Frame("a", picture.time_s, image=picture.image)
 
     def known() -> bool:
         # The body is not tilted, so the range finder's height is the camera's.
@@ -282,7 +284,7 @@ def test_fast_and_slow_cameras(period_s: float, takes_s: float) -> None:
 def test_without_height_obstacles_are_unknown_not_invented() -> None:
     line = Line()
     fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
-    no_height = (Picture(p.time_s, p.image, p.up_cam, None) for p in pictures(15))
+    no_height = (replace(frame, height_m=None) for frame in pictures(15))
     fly.run(no_height)
     assert fly.looked_at >= 10
     for message in decoded(line.sent):
@@ -292,7 +294,7 @@ def test_without_height_obstacles_are_unknown_not_invented() -> None:
 def test_a_camera_that_breaks_ends_the_flight_with_unknown() -> None:
     line = Line()
 
-    def broken() -> Iterator[Picture]:
+    def broken() -> Iterator[Frame]:
         yield from pictures(3)
         raise InputError("camera:0", "is gone", "plug it in")
 
@@ -511,7 +513,7 @@ def test_signing_keys(tmp_path: Path) -> None:
 
 
 def test_the_latest_picture_wins() -> None:
-    slot = LatestPicture(pictures(5, 0.001), lambda: None)
+    slot = NewestFrame(pictures(5, 0.001), lambda: None)
     slot.start()
     wait_for(lambda: slot.ended)
     last = slot.take(0.0)

@@ -6,7 +6,6 @@ import math
 import socket
 import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,9 +18,12 @@ from flat_model import FlatModel
 from pymavlink.dialects.v20 import common
 
 from horizon_dl.cli import fly
-from horizon_dl.data.calibration.calibration import read_calibration
-from horizon_dl.data.capture import camera as pictures
-from horizon_dl.data.capture.camera import Picture, capture, replay
+from horizon_dl.data.attitude_log import ConstantAttitude
+from horizon_dl.data.calibration.calibration import Calibration, read_calibration
+from horizon_dl.data.capture import camera as camera_module
+from horizon_dl.data.capture.camera import CameraSource
+from horizon_dl.data.capture.replay import replay
+from horizon_dl.data.frame import Frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
@@ -100,9 +102,8 @@ def messages_of(sent: list[bytes], kind: str, key: bytes | None = None) -> list[
     return [message for message in found if message.get_type() == kind]
 
 
-def with_attitude(captured: Iterator[Picture]) -> Iterator[Picture]:
-    up = up_in_camera(quaternion_from_rpy(0, 0, 0), MOUNT)
-    return (Picture(one.time_s, one.image, up, 1.5) for one in captured)
+def level_camera() -> CameraSource:
+    return CameraSource("camera:3", Calibration(CAMERA, 0, MOUNT), attitude=ConstantAttitude(0.0, 0.0))
 
 
 @pytest.mark.parametrize("trouble", ["stall", "fails"])
@@ -115,9 +116,8 @@ def test_an_opencv_camera_in_trouble_is_unknown_and_comes_back(
     monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
     monkeypatch.setattr(FakeCapture, trouble, (start, end))
     flight = Fly(sighting, Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
-    camera = capture("camera:3", time.monotonic)
-    flight.run(with_attitude(camera), 3.7)
-    camera.stop()
+    camera = level_camera()
+    flight.run(camera.frames(), 3.7, camera.stop)
     known = [
         (at_s, set(message.distances) != {UNKNOWN_CM})
         for at_s, content in zip(line.at_s, line.sent, strict=True)
@@ -141,21 +141,22 @@ def test_a_camera_that_never_comes_back_is_opened_again_until_the_flight_ends(
     monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
     monkeypatch.setattr(FakeCapture, "opened", 0)
     monkeypatch.setattr(FakeCapture, "fails", (time.monotonic() + 0.3, math.inf))
-    monkeypatch.setattr(pictures, "REOPEN_S", 0.05)
+    monkeypatch.setattr(camera_module, "REOPEN_S", 0.05)
     flight = Fly(sighting, Link(line), FlySettings(mount_rpy_rad=MOUNT, recorded_attitude=True))
     start = time.monotonic()
-    flight.run(capture("camera:3", time.monotonic), 1.0)
+    camera = level_camera()
+    flight.run(camera.frames(), 1.0, camera.stop)
     assert 1.0 <= time.monotonic() - start < 1.7
     assert 3 < FakeCapture.opened < 20
-    assert not [thread for thread in threading.enumerate() if thread.name == "pictures"]
+    assert not [thread for thread in threading.enumerate() if thread.name == "frames"]
 
 
 def test_a_camera_in_its_pause_ends_at_once_when_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
     monkeypatch.setattr(FakeCapture, "fails", (time.monotonic() + 0.1, math.inf))
-    monkeypatch.setattr(pictures, "REOPEN_S", 60.0)
-    camera = capture("camera:3", time.monotonic)
-    reader = threading.Thread(target=lambda: list(camera), daemon=True)
+    monkeypatch.setattr(camera_module, "REOPEN_S", 60.0)
+    camera = level_camera()
+    reader = threading.Thread(target=lambda: list(camera.frames()), daemon=True)
     reader.start()
     time.sleep(0.4)
     assert reader.is_alive()
@@ -168,16 +169,30 @@ def test_a_camera_in_its_pause_ends_at_once_when_told(monkeypatch: pytest.Monkey
 def test_a_replay_without_a_frame_that_can_be_read_ends_with_one_line(loop: bool, tmp_path: Path) -> None:
     folder = make_sets.images_csv(tmp_path / "set")
     recording = open_recording(folder)
-    for entry in recording.headers:
-        entry.image_path.write_bytes(b"no picture")
+    for header in recording.headers:
+        (folder / header.name).write_bytes(b"no picture")
     with pytest.raises(InputError, match="no frame that can be read"):
         next(replay(recording, time.monotonic, loop=loop))
 
 
 def test_a_picture_is_as_old_as_the_cameras_delay(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
-    camera = capture("camera:3", lambda: 100.0, delay_s=0.12)
-    assert next(camera).time_s == pytest.approx(99.88)
+    camera = CameraSource("camera:3", clock=lambda: 100.0, delay_s=0.12)
+    frame = next(camera.frames())
+    assert isinstance(frame, Frame)
+    assert frame.time_s == pytest.approx(99.88)
+
+
+def test_a_picture_is_stamped_before_it_is_converted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def slow(image: Any, code: int) -> Any:
+        time.sleep(0.1)
+        return image
+
+    monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
+    monkeypatch.setattr(cv2, "cvtColor", slow)
+    frame = next(CameraSource("camera:3").frames())
+    assert isinstance(frame, Frame)
+    assert time.monotonic() - frame.time_s > 0.09
 
 
 def test_the_attitude_is_that_of_the_pictures_time() -> None:
@@ -185,7 +200,7 @@ def test_the_attitude_is_that_of_the_pictures_time() -> None:
     flight = Fly(sighting, Link(Silent()), FlySettings(mount_rpy_rad=MOUNT), lambda: 50.0)
     for step in range(101):  # rolls by 1 rad/s
         flight.autopilot.buffer.add(49 + step / 100, quaternion_from_rpy(step / 100, 0.0, 0.4))
-    pose = flight._pose(Picture(49.375, np.zeros((24, 32, 3), np.uint8)))
+    pose = flight._pose(Frame("a", 49.375, image=np.zeros((24, 32, 3), np.uint8)))
     assert pose is not None
     up_cam, yaw, height = pose
     np.testing.assert_allclose(up_cam, up_in_camera(quaternion_from_rpy(0.375, 0, 0), MOUNT), atol=1e-9)

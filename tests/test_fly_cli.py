@@ -81,8 +81,7 @@ def test_sigterm_ends_the_flight_in_order(flight: Path, model: None, capsys: Any
 
 def test_the_mount_comes_from_the_data_set(flight: Path) -> None:
     arguments = parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:1")
-    recording = open_recording(flight)
-    settings = fly._settings(arguments, fly._calibration(arguments, recording), recording)
+    settings = fly._settings(arguments, fly._source(arguments))
     assert settings.mount_rpy_rad == pytest.approx((0.0, math.radians(-25), 0.0))
     assert settings.recorded_attitude
 
@@ -103,7 +102,6 @@ def test_the_mount_comes_from_the_data_set(flight: Path) -> None:
         (["--height", "nan"], "--height nan"),
         (["--duration", "nan"], "--duration nan"),
         (["--duration", "0"], "--duration 0"),
-        (["--camera", "none.yaml"], "none.yaml: is missing"),
     ],
 )
 def test_wrong_options_are_one_line(flight: Path, model: None, more: list[str], problem: str) -> None:
@@ -114,7 +112,7 @@ def test_wrong_options_are_one_line(flight: Path, model: None, more: list[str], 
 def test_a_camera_needs_its_mount_and_the_autopilots_attitude() -> None:
     with pytest.raises(InputError, match="how the camera is mounted"):
         fly.run(parsed("m", "--source", "camera:0", "--mavlink", "udpout:127.0.0.1:9"))
-    with pytest.raises(InputError, match="needs a data set"):
+    with pytest.raises(InputError, match="needs a recording"):
         fly.run(
             parsed("m", "--source", "camera:0", "--mavlink", "udpout:127.0.0.1:9", "--attitude", "recorded")
         )
@@ -152,35 +150,12 @@ def test_a_source_that_is_not_there_is_one_line(flight: Path, model: None, tmp_p
 def test_a_file_that_is_no_video_is_one_line(flight: Path, model: None, tmp_path: Path) -> None:
     (tmp_path / "text.mp4").write_text("no video")
     more = ("--mavlink", "udpout:127.0.0.1:9", "--camera", str(flight / "camera.yaml"))
-    with pytest.raises(InputError, match="cannot be opened"):
+    with pytest.raises(InputError, match="is no film that can be read"):
         fly.run(parsed("m", "--source", str(tmp_path / "text.mp4"), *more))
 
 
-def test_a_video_is_played_at_its_own_rate(tmp_path: Path) -> None:
-    import cv2
-
-    from horizon_dl.data.capture.camera import capture
-
-    path = tmp_path / "v.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 10.0, (32, 24))
-    assert writer.isOpened()
-    for _ in range(4):
-        writer.write(np.full((24, 32, 3), (250, 0, 0), np.uint8))  # blue, in OpenCV's order
-    writer.release()
-    now, waits = [0.0], []
-
-    def wait(seconds: float) -> None:
-        waits.append(seconds)
-        now[0] += seconds
-
-    pictures = list(capture(str(path), lambda: now[0], wait=wait, rotate_quarter_turns_ccw=1))
-    assert [p.time_s for p in pictures] == pytest.approx([0.0, 0.1, 0.2, 0.3])
-    assert pictures[0].image.shape == (32, 24, 3)
-    assert pictures[0].image[0, 0, 2] > 200 > 50 > pictures[0].image[0, 0, 0]
-
-
 def test_replay_keeps_the_recorded_times(flight: Path) -> None:
-    from horizon_dl.data.capture.camera import replay
+    from horizon_dl.data.capture.replay import replay
 
     now = [5.0]
 

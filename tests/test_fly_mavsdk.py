@@ -14,7 +14,7 @@ from mavsdk.plugins.mavlink_direct import MavlinkDirect, MavlinkMessage
 from numpy.typing import NDArray
 from test_fly import CAMERA, HEIGHT_M, LEVEL, MOUNT, WALL_M, WallModel, wait_for
 
-from horizon_dl.data.capture.camera import Picture
+from horizon_dl.data.frame import Frame
 from horizon_dl.geometry.attitude import quaternion_from_rpy
 from horizon_dl.runtime.flight_loop import Fly, FlySettings
 from horizon_dl.runtime.perception import Sighting
@@ -38,10 +38,10 @@ class Recorded(Link):
         return has_left
 
 
-def pictures() -> Iterator[Picture]:
+def pictures() -> Iterator[Frame]:
     while True:
         time.sleep(0.03)
-        yield Picture(time.monotonic(), np.zeros((CAMERA.height, CAMERA.width, 3), np.uint8))
+        yield Frame("a", time.monotonic(), image=np.zeros((CAMERA.height, CAMERA.width, 3), np.uint8))
 
 
 def stack_for(transport: UdpIn) -> mavsdk.Mavsdk:

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -6,6 +7,7 @@ import torch
 from toy import write_toy_set
 
 from horizon_dl.config import load_config
+from horizon_dl.data.image_folder import FrameFiles
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.models.dropout import single_pass_p_above
@@ -164,11 +166,8 @@ def test_a_damaged_run_is_named(toy, config, tmp_path):
 
 def test_unreadable_frames_are_skipped_until_they_are_too_many(toy, config):
     def broken(count: int):
-        entries = [
-            replace(entry, image_path=entry.image_path.with_name("gone.png")) if index < count else entry
-            for index, entry in enumerate(toy.entries)
-        ]
-        return FrameStore(replace(toy, entries=entries), config)
+        files = [FrameFiles(Path("gone.png"))] * count + list(toy.load.files[count:])
+        return FrameStore(replace(toy, load=replace(toy.load, files=tuple(files))), config)
 
     few = broken(2)
     assert len(list(few.views(range(23, -1, -1)))) == 22

@@ -10,7 +10,8 @@ import pytest
 from test_fly import Line
 
 from horizon_dl.data.calibration.calibration import Calibration
-from horizon_dl.data.capture.live import live_stream
+from horizon_dl.data.capture.camera import CameraSource
+from horizon_dl.data.capture.with_autopilot import WithAutopilot
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.online.real_time import run_in_real_time
 from horizon_dl.vehicle.mavlink import Link
@@ -43,8 +44,9 @@ def test_a_learner_at_a_dead_camera_waits_for_it_and_ends_when_told(monkeypatch:
     closed = threading.Event()
     line = Line()
     monkeypatch.setattr(line, "close", closed.set)
-    stream = live_stream("camera:0", Calibration(CAMERA), lambda: Link(line))
-    run: Any = SimpleNamespace(stream=stream, stopped=False, position=0, arrivals=lambda: stream.arrivals(0))
+    source = WithAutopilot(CameraSource("camera:0", Calibration(CAMERA)), lambda: Link(line))
+    items = lambda: enumerate(source.frames())  # noqa: E731
+    run: Any = SimpleNamespace(source=source, stopped=False, position=0, items=items)
     run.keeper = SimpleNamespace(due=lambda position: False)
     before = threading.active_count()
     ended = threading.Event()

@@ -115,7 +115,7 @@ def test_sigterm_ends_in_order_and_the_next_start_goes_on(toy, whole, tmp_path, 
 
     def settle_then_signal(self, seen):
         real(self, seen)
-        if seen.arrival.index == 9:
+        if seen.index == 9:
             os.kill(os.getpid(), signal.SIGTERM)
 
     monkeypatch.setattr(OnlineRun, "settle", settle_then_signal)
@@ -162,7 +162,7 @@ def test_a_damaged_checkpoint_is_one_line(toy, tmp_path):
 
 def test_an_object_for_other_peoples_loops(toy):
     learner = OnlineLearner(tiny_config(), seed=0)
-    frame = load_frame(open_recording(toy), 0)
+    frame = open_recording(toy).read(0)
     view = make_view(frame, 1728)
     by_frame, by_view = learner.predict(frame), learner.predict(view)
     assert np.array_equal(by_frame.p_above, by_view.p_above)
@@ -173,7 +173,7 @@ def test_an_object_for_other_peoples_loops(toy):
 
 def test_a_frame_without_horizon_is_predicted_and_not_learned_from(toy):
     learner = OnlineLearner(tiny_config(), seed=0)
-    frame = replace(load_frame(open_recording(toy), 0), up_cam=None)
+    frame = replace(open_recording(toy).read(0), up_cam=None)
     assert np.isfinite(learner.predict(frame).entropy).all()
     before = learner.predict(frame).p_above
     assert math.isnan(learner.learn(frame))

@@ -145,9 +145,9 @@ def test_learning_goes_on_while_no_checkpoint_can_be_written(toy, whole, tmp_pat
 
     def settle_and_fill(seen) -> None:
         settle(seen)
-        full = 5 <= seen.arrival.index < 12
+        full = 5 <= seen.index < 12
         monkeypatch.setattr(checkpoint, "save_file", full_disk if full else real)
-        if seen.arrival.index == 11:
+        if seen.index == 11:
             assert read_checkpoint(out / "checkpoint.safetensors").values["place"]["position"] == 5
 
     monkeypatch.setattr(run, "settle", settle_and_fill)
@@ -233,9 +233,9 @@ def test_a_disk_that_is_really_full(toy, whole, small_disk, capsys):
 
     def settle_and_fill(seen) -> None:
         settle(seen)
-        if seen.arrival.index == 5:
+        if seen.index == 5:
             fill(filler)
-        if seen.arrival.index == 12:
+        if seen.index == 12:
             assert read_checkpoint(out / "checkpoint.safetensors").values["place"]["position"] <= 6
             filler.unlink()
 

@@ -8,13 +8,12 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
-from horizon_dl.data.capture.live import live_stream
-from horizon_dl.data.capture.stream import Arrival, recorded_stream, video_stream
 from PIL import Image
 from pymavlink.dialects.v20 import common
 from small_run import small_export, small_run, toy_frames, toy_set
@@ -23,11 +22,15 @@ from toy import CAMERA, write_toy_set
 
 from horizon_dl.cli import fly, main
 from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.capture.camera import CameraSource
+from horizon_dl.data.capture.with_autopilot import WithAutopilot
+from horizon_dl.data.frame import Frame
+from horizon_dl.data.given import Given
 from horizon_dl.data.readers.registry import open_recording
-from horizon_dl.errors import InputError
+from horizon_dl.errors import FrameError, InputError
 from horizon_dl.export.export import export_run, trained_camera
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
-from horizon_dl.online.real_time import LEFT_OUT, Arrivals, RealTime, run_in_real_time
+from horizon_dl.online.real_time import LEFT_OUT, PacedFrames, RealTime, run_in_real_time
 from horizon_dl.output import write_bytes
 from horizon_dl.runtime.hot_reload import FollowedModel
 from horizon_dl.training.run_folder import Run
@@ -40,16 +43,16 @@ def toy(tmp_path_factory) -> Path:
 
 
 class Script:
-    """Arrivals at given turns, in place of a clock: the number of frames that come at each `take`."""
+    """PacedFrames at given turns, in place of a clock: the number of frames that come at each `take`."""
 
-    def __init__(self, arrivals: Iterator[Arrival], turns: list[int]) -> None:
+    def __init__(self, items: Iterator[tuple[int, Frame | FrameError]], turns: list[int]) -> None:
         self.ended = False
-        self._arrivals = arrivals
+        self._items = items
         self._turns = iter(turns)
 
-    def take(self, _: float) -> tuple[float, Arrival] | None:
+    def take(self, _: float) -> tuple[float, tuple[int, Frame | FrameError]] | None:
         if next(self._turns, 1):
-            found = next(self._arrivals, None)
+            found = next(self._items, None)
             self.ended = found is None
             return None if found is None else (time.monotonic(), found)
         return None
@@ -57,7 +60,7 @@ class Script:
 
 def scripted(toy: Path, out: Path, turns: list[int], **options) -> list[dict]:
     run = tiny_run(toy, out, **options)
-    real_time = RealTime(run, Script(run.arrivals(), turns))  # type: ignore[arg-type]
+    real_time = RealTime(run, Script(run.items(), turns))  # type: ignore[arg-type]
     while real_time.turn():
         pass
     real_time.finish()
@@ -103,24 +106,24 @@ def test_every_frame_is_predicted_in_real_time(toy, tmp_path, capsys):
 
 
 def test_frames_come_at_their_times(toy):
-    arrivals = Arrivals(recorded_stream(open_recording(toy)).arrivals(0), 2.0)
+    frames = PacedFrames(enumerate(open_recording(toy).frames()), 2.0)
     start = time.monotonic()
     for index in range(6):
-        found = arrivals.take(5.0)
+        found = frames.take(5.0)
         assert found is not None
-        assert found[1].index == index
+        assert found[1][0] == index
         assert time.monotonic() - start > 0.05 * index - 0.02
-    arrivals.stop()
+    frames.stop()
 
 
 def test_an_error_of_the_source_ends_the_run(toy, tmp_path):
     run = tiny_run(toy, tmp_path / "run")
 
-    def broken(start: int) -> Iterator[Arrival]:
-        yield from list(recorded_stream(open_recording(toy)).arrivals(start))[:3]
+    def broken() -> Iterator[tuple[int, Frame | FrameError]]:
+        yield from enumerate(list(open_recording(toy).frames())[:3])
         raise InputError("camera:0", "is gone", "plug it in")
 
-    run.stream = replace(run.stream, arrivals=broken)
+    run.items = broken
     with pytest.raises(InputError, match="plug it in"):
         run_in_real_time(run, 50.0)
 
@@ -152,12 +155,13 @@ def test_a_video_is_learned_from_with_its_attitude_log(film, toy, tmp_path):
     # The log ends at 1.28 s: the frames at 1.3, 1.4 and 1.5 s have no attitude.
     assert [line["not_learned"] for line in lines] == [None] * 13 + ["no attitude"] * 3
     assert [line["time_s"] for line in lines] == pytest.approx([i / 10 for i in range(16)])
-    wanted = [entry.up_cam for entry in open_recording(toy).entries]
-    for arrival in video_stream(film, log, camera).arrivals(0):
-        if arrival.index < 13:
-            assert arrival.frame is not None
-            assert arrival.frame.up_cam == pytest.approx(wanted[arrival.index], abs=1e-6)
-    assert json.loads((out / "run.json").read_text())["format"] == "video"
+    wanted = open_recording(toy)
+    for index, frame in enumerate(open_recording(film, given=Given(camera, str(log))).frames()):
+        assert isinstance(frame, Frame)
+        assert np.abs(frame.image.astype(int) - wanted.read(index).image).mean() < 15  # MJPEG of noise
+        if index < 13:
+            assert frame.up_cam == pytest.approx(wanted.headers[index].up_cam, abs=1e-6)
+    assert json.loads((out / "run.json").read_text())["format"] == "film"
 
 
 @pytest.mark.parametrize(
@@ -205,17 +209,46 @@ def autopilot(quaternion: tuple[float, ...]) -> Iterator[str]:
     line.close()
 
 
-def test_a_camera_is_learned_from_with_the_autopilots_attitude(film, tmp_path, capsys):
+class FilmCamera:
+    """OpenCV's camera, which gives a film's pictures at the film's pace, and then none."""
+
+    path: Path
+
+    def __init__(self, device: object) -> None:
+        self._film = REAL_CAPTURE(str(self.path))
+        self._due_s = time.monotonic()
+
+    def isOpened(self) -> bool:  # noqa: N802
+        return True
+
+    def read(self):
+        time.sleep(max(0.0, self._due_s - time.monotonic()))
+        self._due_s += 0.1
+        return self._film.read()
+
+    def release(self) -> None:
+        self._film.release()
+
+
+REAL_CAPTURE = cv2.VideoCapture
+
+
+def test_a_camera_is_learned_from_with_the_autopilots_attitude(film, tmp_path, monkeypatch, capsys):
     camera, out = tmp_path / "camera.yaml", tmp_path / "run"
+    monkeypatch.setattr(FilmCamera, "path", film, raising=False)
+    monkeypatch.setattr(cv2, "VideoCapture", FilmCamera)
     pitched = quaternion_from_rpy(0.0, -0.2, 1.0)
     options = ["--camera", str(camera), "--out", str(out), *tiny_options()]
+
+    def some(frames: int) -> list[str]:
+        return [*options, "--max-frames", str(frames)]
+
     with autopilot(tuple(pitched)) as url:
-        assert main(["online", str(film), "--mavlink", url, *options, "--max-frames", "9"]) == 0
-        assert main(["online", str(film), "--mavlink", url, *options, "--max-frames", "14"]) == 0
+        assert main(["online", "camera:0", "--attitude", f"mavlink:{url}", *some(9)]) == 0
+        assert main(["online", "camera:0", "--attitude", f"mavlink:{url}", *some(14)]) == 0
         calibration = read_calibration(camera)
-        frames = [
-            one.frame for one in live_stream(str(film), calibration, lambda: open_link(url)).arrivals(0)
-        ]
+        source = WithAutopilot(CameraSource("camera:0", calibration), lambda: open_link(url))
+        frames = list(islice(source.frames(), 16))
     lines = frame_lines(out)
     assert [line["index"] for line in lines] == list(range(14))
     # A frame may come before the first attitude, or before there is time to learn from it; the clock goes on.
@@ -224,23 +257,26 @@ def test_a_camera_is_learned_from_with_the_autopilots_attitude(film, tmp_path, c
     assert np.all(np.diff(times) > 0)
     assert times[-1] - times[0] > 0.6  # 0.8 s of film
     # After a stall of the machine some frames come close together; most keep the film's pace.
-    steps = np.diff([frame.time_s for frame in frames if frame])
+    steps = np.diff([frame.time_s for frame in frames])
     assert np.median(steps) == pytest.approx(0.1, abs=0.02)
     info = json.loads((out / "run.json").read_text())
     assert info["format"] == "live"
     assert info["real_time"]["count"] == 5
     wanted = up_in_camera(pitched, calibration.mount_rpy_rad)
-    known = [frame.up_cam for frame in frames if frame and frame.up_cam is not None]
+    known = [frame.up_cam for frame in frames if frame.up_cam is not None]
     assert len(frames) == 16
     assert len(known) >= 12
     np.testing.assert_allclose(known, np.tile(wanted, (len(known), 1)), atol=1e-6)
     assert "going on at frame 9" in capsys.readouterr().err
 
 
-def test_an_autopilot_that_is_silent_is_one_line(film, tmp_path, capsys):
+def test_an_autopilot_that_is_silent_is_one_line(film, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(FilmCamera, "path", film, raising=False)
+    monkeypatch.setattr(cv2, "VideoCapture", FilmCamera)
     with autopilot(()) as url:
         options = ["--camera", str(tmp_path / "camera.yaml"), "--out", str(tmp_path / "run"), *tiny_options()]
-        assert main(["online", str(film), "--mavlink", url, *options]) == 2
+        more = ["--attitude", f"mavlink:{url}", "--max-frames", "16"]
+        assert main(["online", "camera:0", *more, *options]) == 2
     assert "no attitude: 16" in capsys.readouterr().err
 
 
@@ -252,12 +288,12 @@ def test_an_autopilot_that_is_silent_is_one_line(film, tmp_path, capsys):
         (["--mavlink", "udpout:127.0.0.1:9", "--camera", "CAMERA", "--speed", "2"], "--speed"),
         (["--mavlink", "udpout:127.0.0.1:9", "--camera", "CAMERA", "--camera-delay", "3"], "--camera-delay"),
         (["--mavlink", "udpout:127.0.0.1:9", "--camera", "CAMERA", "--attitude", "LOG"], "--attitude"),
-        (["--camera", "CAMERA", "--attitude", "LOG", "--system", "7"], "without --mavlink"),
+        (["--camera", "CAMERA", "--attitude", "LOG", "--system", "7"], "without an autopilot"),
     ],
 )
 def test_wrong_autopilots_are_one_line(film, tmp_path, capsys, options, words):
     named = [str(tmp_path / "camera.yaml") if word == "CAMERA" else word for word in options]
-    assert main(["online", str(film), "--out", str(tmp_path / "run"), *named]) == 2
+    assert main(["online", "camera:0", "--out", str(tmp_path / "run"), *named]) == 2
     error = capsys.readouterr().err
     assert words in error
     assert error.count("\n") == 1
@@ -267,7 +303,7 @@ def test_wrong_autopilots_are_one_line(film, tmp_path, capsys, options, words):
 def test_a_camera_without_an_autopilot_is_one_line(source, tmp_path, capsys):
     assert main(["online", source, "--out", str(tmp_path / "run")]) == 2
     error = capsys.readouterr().err
-    assert f"{source}: has no attitude without --mavlink" in error
+    assert f"{source}: has no attitude: nothing says" in error
     assert error.count("\n") == 1
     assert not (tmp_path / "run").exists()
 
@@ -356,7 +392,7 @@ def test_a_model_written_by_the_learner_is_taken_over_while_it_learns(toy, tmp_p
     again = tiny_run(toy, out, restart=True, export_every_s=1e-3)
     learner = threading.Thread(target=lambda: (again.run(), again.finish()))
     learner.start()
-    one = load_frame(open_recording(toy), 0)
+    one = open_recording(toy).read(0)
     predictions = 0
     while learner.is_alive() or model.taken_over == 0:
         assert np.isfinite(model.predict(one.image, one.up_cam).entropy).all()

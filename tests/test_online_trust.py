@@ -49,7 +49,7 @@ def frame_at(index: int, pitch_rad: float, seen_rad: float | None = None, **chan
     image = world_image(pitch_rad if seen_rad is None else seen_rad)
     rng = np.random.default_rng(index)
     image = (image + rng.normal(0, 3, image.shape)).clip(0, 255).astype(np.uint8)
-    frame = Frame(str(index), index / 10, image, CAMERA, up_of(pitch_rad))
+    frame = Frame(str(index), index / 10, up_of(pitch_rad), image=image, camera=CAMERA)
     return replace(frame, **changes)
 
 
@@ -231,7 +231,7 @@ def corrupted(tmp_path):
 def test_a_corrupted_set_is_predicted_as_far_as_it_can_be(corrupted, tmp_path, capsys):
     folder, expected = corrupted
     with pytest.raises(FrameError):
-        load_frame(open_recording(folder), 16)
+        open_recording(folder).read(16)
     out = tmp_path / "run"
     assert main(["online", str(folder), "--out", str(out), *tiny_options()]) == 0
     found = {line["index"]: line["not_learned"] for line in frame_lines(out) if line["not_learned"]}

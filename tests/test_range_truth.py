@@ -9,15 +9,14 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from horizon_dl.data.frame import Frame, RangeUnit
+from horizon_dl.data.frame import Frame, RangeImage
 from horizon_dl.data.readers.registry import open_recording
-from horizon_dl.errors import FrameError
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.range_truth import (
     level_distance,
-    load_range,
+    level_ranges,
     nearest,
     true_distances,
     true_obstacles,
@@ -43,33 +42,44 @@ def hall(wall_m: float) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
 
 
 def frame_of(truth: NDArray[np.uint8]) -> Frame:
-    return Frame("f", 0.0, np.zeros((120, 160, 3), np.uint8), CAMERA, UP, HEIGHT_M, truth)
+    return Frame(
+        "f",
+        0.0,
+        UP,
+        height_m=HEIGHT_M,
+        image=np.zeros((120, 160, 3), np.uint8),
+        camera=CAMERA,
+        truth=truth,
+    )
 
 
 def test_level_distance_of_depth_and_of_range() -> None:
     depth, labels = hall(5.0)
     directions = camera_rays(CAMERA).directions
     wall = labels == 2
-    along_axis = level_distance((depth * 1000).astype(np.uint16), RangeUnit(0.001, "axis"), directions, UP)
+    along_axis = level_distance(RangeImage(depth.astype(np.float32), "axis"), directions, UP)
     np.testing.assert_allclose(along_axis[wall], 5.0, atol=3e-3)
-    along_ray = level_distance(
-        (depth / directions[..., 2] * 256).astype(np.uint16), RangeUnit(1 / 256, "ray"), directions, UP
-    )
+    along = RangeImage((depth / directions[..., 2]).astype(np.float32), "ray")
+    along_ray = level_distance(along, directions, UP)
     np.testing.assert_allclose(along_ray[wall], 5.0, atol=6e-3)
 
 
-def test_zero_and_the_largest_count_mean_nothing_measured() -> None:
-    counts = np.array([[0, 65535, 1000]], np.uint16)
-    directions = np.tile(np.array([0.0, 0.0, 1.0], np.float32), (1, 3, 1))
-    metres = level_distance(counts, RangeUnit(0.001, "axis"), directions, np.array([0.0, -1.0, 0.0]))
-    assert np.isnan(metres[0, :2]).all()
-    assert metres[0, 2] == pytest.approx(1.0)
+def test_zero_and_the_largest_count_mean_nothing_measured(tmp_path: Path) -> None:
+    folder = make_sets.images_csv(tmp_path)
+    (folder / "depth").mkdir()
+    counts = np.full((24, 32), 1000, np.uint16)
+    counts[0, :2] = (0, 65535)
+    Image.fromarray(counts).save(folder / "depth" / "a.png")
+    ranges = open_recording(folder).read(0).ranges
+    assert ranges is not None
+    assert np.isnan(ranges.metres[0, :2]).all()
+    assert ranges.metres[5, 5] == pytest.approx(1.0)
 
 
 def test_true_distance_needs_several_points() -> None:
     depth, labels = hall(5.0)
     directions = camera_rays(CAMERA).directions
-    range_m = level_distance((depth * 1000).astype(np.uint16), RangeUnit(0.001, "axis"), directions, UP)
+    range_m = level_distance(RangeImage(depth.astype(np.float32), "axis"), directions, UP)
     spoiled = range_m.copy()
     row, column = (int(n[len(n) // 2]) for n in np.nonzero((labels == 2) & (np.arange(120)[:, None] > 50)))
     spoiled[row, column] = 1.0  # one stray point
@@ -83,7 +93,7 @@ def test_true_distance_needs_several_points() -> None:
 def test_a_perfect_map_ranges_well(as_p: bool) -> None:
     depth, labels = hall(5.0)
     directions = camera_rays(CAMERA).directions
-    range_m = level_distance((depth * 1000).astype(np.uint16), RangeUnit(0.001, "axis"), directions, UP)
+    range_m = level_distance(RangeImage(depth.astype(np.float32), "axis"), directions, UP)
     tally = RangingTally(0.7, 25.0)
     found = np.where(labels == 2, 0.5, 0.05).astype(np.float32) if as_p else labels == 2
     tally.add(frame_of(labels), found, range_m)
@@ -126,9 +136,8 @@ def test_what_counts_as_missed_and_as_false_stop() -> None:
 
 def test_floor_behind_an_obstacle_is_not_free() -> None:
     depth, labels = hall(5.0)
-    range_m = level_distance(
-        (depth * 1000).astype(np.uint16), RangeUnit(0.001, "axis"), camera_rays(CAMERA).directions, UP
-    )
+    ranges = RangeImage(depth.astype(np.float32), "axis")
+    range_m = level_distance(ranges, camera_rays(CAMERA).directions, UP)
     labels[range_m > 4.0] = 1  # a bumper at 3 to 4 m, and road seen beneath it
     labels[(range_m > 3.0) & (range_m <= 4.0)] = 2
     not_free, known = true_obstacles(frame_of(labels), range_m, Bearings(60, math.radians(2)))
@@ -155,7 +164,7 @@ def test_the_block_of_a_recording(tmp_path: Path) -> None:
         (folder / kind).mkdir()
         Image.fromarray(values).save(folder / kind / "a.png")
     recording = open_recording(folder)
-    block = RangingBlock(recording)
+    block = RangingBlock(recording.headers)
     p_above = np.where(labels == 2, 0.4, 0.03).astype(np.float32)
     for index in range(2):  # the second has neither labels nor depth
         block.add(recording.read(index), p_above, threshold=0.5)
@@ -172,20 +181,34 @@ def test_range_of_a_recording_is_read_in_its_unit(tmp_path: Path) -> None:
     folder = make_sets.images_csv(tmp_path)
     (folder / "depth").mkdir()
     Image.fromarray(np.full((12, 16), 2000, np.uint16)).save(folder / "depth" / "b.png")
+    make_sets.save_image(folder / "labels" / "b.png", grey=True)
+    Image.fromarray(np.ones((24, 32), np.uint8)).save(folder / "labels" / "b.png")
     recording = open_recording(folder)
-    assert load_range(recording, 0) is None
-    metres = load_range(recording, 1)
+    assert level_ranges(recording.read(0)) is None
+    metres = level_ranges(recording.read(1))
     assert metres is not None
     assert metres.shape == (12, 16)
     # Pitched up by 0.2 rad; the middle ray runs 0.2 rad over the horizon.
     assert metres[5:7, 7:9].mean() == pytest.approx(2.0 * math.cos(0.2), rel=0.01)
 
 
-def test_a_range_image_of_8_bits_is_refused(tmp_path: Path) -> None:
+def test_a_range_image_of_8_bits_is_left_out(tmp_path: Path) -> None:
     folder = make_sets.images_csv(tmp_path)
     make_sets.save_image(folder / "depth" / "b.png", grey=True)
-    with pytest.raises(FrameError, match="16 bits"):
-        load_range(open_recording(folder), 1)
+    assert open_recording(folder).read(1).ranges is None
+
+
+@pytest.mark.parametrize("upright", [False, True])
+def test_ranges_of_a_turned_image_may_be_stored_either_way(tmp_path: Path, upright: bool) -> None:
+    camera = "model: pinhole\nwidth: 24\nheight: 32\nfx: 30.0\nfy: 30.0\ncx: 11.5\ncy: 15.5\n"
+    folder = make_sets.images_csv(tmp_path, camera=camera + "rotate_image: 90ccw\n")
+    (folder / "depth").mkdir()
+    metres = np.arange(1, 769, dtype=np.uint16).reshape(32, 24)  # upright
+    stored = metres if upright else np.rot90(metres, -1)
+    Image.fromarray(np.ascontiguousarray(stored)).save(folder / "depth" / "a.png")
+    ranges = open_recording(folder).read(0).ranges
+    assert ranges is not None
+    np.testing.assert_allclose(ranges.metres, metres * 0.001, rtol=1e-6)
 
 
 def test_nearest_takes_the_pixel_over_the_centre() -> None:
@@ -204,7 +227,8 @@ def test_ranging_with_the_truths_own_floor(
     recording = open_recording(data_dir / name)
     tally = RangingTally(*interval)
     for index in range(5, recording.length, 20):
-        frame, range_m = recording.read(index), load_range(recording, index)
+        frame = recording.read(index)
+        range_m = level_ranges(frame)
         assert range_m is not None
         assert frame.truth is not None
         not_floor, known = true_obstacles(frame, range_m, tally.bearings)

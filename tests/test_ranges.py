@@ -75,7 +75,7 @@ def test_metres_are_written_and_the_picture_may_be_smaller() -> None:
     assert (below_line.max(axis=2) < 90).sum() > 30  # dark letters
 
 
-FRAME = Frame("a.png", 0.0, WHITE, CAMERA, UP, 1.0)
+FRAME = Frame("a.png", 0.0, UP, height_m=1.0, image=WHITE, camera=CAMERA)
 P_ABOVE = np.where(WALL, 0.5, 0.02).astype(np.float32)
 
 

@@ -9,7 +9,7 @@ import make_sets
 import numpy as np
 import pytest
 
-from horizon_dl.data.frame import RangeUnit
+from horizon_dl.data.image_folder import FrameFiles
 from horizon_dl.data.readers import kitti as kitti_reader
 from horizon_dl.data.readers.registry import FORMATS, open_recording
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
@@ -28,8 +28,9 @@ def test_images_csv(tmp_path: Path) -> None:
     assert (first.name, first.time_s, first.height_m) == ("images/a.png", 0.0, 1.5)
     np.testing.assert_allclose(first.up_cam, [-math.sin(0.1), -math.cos(0.1), 0.0], atol=1e-12)
     np.testing.assert_allclose(second.up_cam, [0.0, -math.cos(0.2), math.sin(0.2)], atol=1e-12)
-    assert (first.truth_path, first.range_path) == (None, None)
-    assert (second.truth_path, second.range_path) == (folder / "labels" / "b.png", folder / "depth" / "b.png")
+    assert (first.labelled, second.labelled) == (False, True)
+    files = FrameFiles(folder / "images/b.png", folder / "labels" / "b.png", folder / "depth" / "b.png")
+    assert recording.load.files[1] == files
     assert recording.read(0).image.shape == (24, 32, 3)
 
 
@@ -44,13 +45,13 @@ def test_images_csv_sorts_by_time_and_needs_no_yaw_or_height(tmp_path: Path) -> 
 @pytest.mark.parametrize("cell", ["", "nan", "NaN", "inf"])
 def test_images_csv_row_without_attitude_has_none(tmp_path: Path, cell: str) -> None:
     rows = ["a.png,0.0,0.0,0.0,0.0,", f"b.png,0.1,{cell},0.0,0.0,", "c.png,0.2,0.0,0.0,,"]
-    entries = open_recording(make_sets.images_csv(tmp_path, rows)).entries
+    entries = open_recording(make_sets.images_csv(tmp_path, rows)).headers
     assert [entry.up_cam is None for entry in entries] == [False, True, False]
 
 
 def test_images_csv_applies_the_mount(tmp_path: Path) -> None:
     camera = make_sets.CAMERA_YAML.replace("[0.0, 0.0, 0.0]", "[0.0, -30.0, 0.0]")
-    up = open_recording(make_sets.images_csv(tmp_path, ["a.png,0,0,0,0,1"], camera=camera)).entries[0].up_cam
+    up = open_recording(make_sets.images_csv(tmp_path, ["a.png,0,0,0,0,1"], camera=camera)).headers[0].up_cam
     np.testing.assert_allclose(up, [0.0, -math.cos(math.pi / 6), -0.5], atol=1e-12)
 
 
@@ -71,9 +72,8 @@ def test_ranges_come_with_their_unit(tmp_path: Path) -> None:
         open_recording(make_sets.tum(tmp_path / "t")),
     )
     images_csv = open_recording(make_sets.images_csv(tmp_path / "i"))
-    assert kitti.entries[0].range_unit == RangeUnit(1 / 256, "ray")
-    assert tum.entries[0].range_unit == RangeUnit(1 / 5000, "axis")
-    assert images_csv.entries[0].range_unit == RangeUnit(0.001, "axis")
+    units = [(one.load.range_unit.metres, one.load.range_unit.along) for one in (kitti, tum, images_csv)]
+    assert units == [(1 / 256, "ray"), (1 / 5000, "axis"), (0.001, "axis")]
 
 
 def test_kitti_floor_stays_under_the_car_however_it_tilts(tmp_path: Path) -> None:
@@ -85,16 +85,16 @@ def test_kitti_floor_stays_under_the_car_however_it_tilts(tmp_path: Path) -> Non
 
 def test_kitti_angles_against_forward_left_up(tmp_path: Path) -> None:
     # Roll > 0: left side up, as for FRD. Pitch > 0: front DOWN, against FRD.
-    rolled = open_recording(make_sets.kitti(tmp_path / "a", "49 8 110 0.1 0 0.7")).entries[0].up_cam
+    rolled = open_recording(make_sets.kitti(tmp_path / "a", "49 8 110 0.1 0 0.7")).headers[0].up_cam
     np.testing.assert_allclose(rolled, [-math.sin(0.1), -math.cos(0.1), 0.0], atol=1e-12)
-    pitched = open_recording(make_sets.kitti(tmp_path / "b", "49 8 110 0 0.1 -2.0")).entries[0].up_cam
+    pitched = open_recording(make_sets.kitti(tmp_path / "b", "49 8 110 0 0.1 -2.0")).headers[0].up_cam
     np.testing.assert_allclose(pitched, [0.0, -math.cos(0.1), -math.sin(0.1)], atol=1e-12)
 
 
 def test_kitti_frame_without_oxts_has_no_attitude(tmp_path: Path) -> None:
     folder = make_sets.kitti(tmp_path)
     next(folder.rglob("oxts/data/0000000001.txt")).unlink()
-    assert [entry.up_cam is None for entry in open_recording(folder).entries] == [False, True]
+    assert [entry.up_cam is None for entry in open_recording(folder).headers] == [False, True]
 
 
 def test_kitti_time_has_nanoseconds() -> None:
@@ -112,7 +112,7 @@ def test_paparazzi_interpolates_at_the_images_time(tmp_path: Path, below: str) -
         pitch = entry.time_s - 9.9955
         np.testing.assert_allclose(entry.up_cam, [0, -math.cos(pitch), math.sin(pitch)], atol=1e-6)
         assert entry.height_m == pytest.approx(1.0)
-    assert [e.truth_path is not None for e in recording.headers] == [False, True, False, False]
+    assert [header.labelled for header in recording.headers] == [False, True, False, False]
     assert recording.headers[1].name == "flight/10050000.jpg"
 
 
@@ -152,7 +152,7 @@ def test_format_can_be_named(tmp_path: Path) -> None:
     assert open_recording(tmp_path).format == "images_csv"
     (tmp_path / "camera.yaml").unlink()
     assert open_recording(tmp_path, "tum").format == "tum"
-    assert set(FORMATS) == {"images_csv", "kitti", "paparazzi", "tum", "euroc"}
+    assert {"images_csv", "kitti", "paparazzi", "tum", "euroc", "film", "pictures"} <= set(FORMATS)
 
 
 def test_opening_a_set_imports_nothing_heavy() -> None:
@@ -183,7 +183,7 @@ def test_real_set(data_dir: Path, name: str) -> None:
     ups = [entry.up_cam for entry in entries if entry.up_cam is not None]
     assert (recording.format, len(entries), len(entries) - len(ups)) == (format_, frames, blind)
     assert sum(entry.labelled for entry in entries) == truths
-    assert sum(entry.range_path is not None for entry in entries) == ranges
+    assert sum(files.ranges is not None for files in recording.load.files) == ranges
     assert [e.time_s for e in entries] == sorted(e.time_s for e in entries)
     np.testing.assert_allclose(np.linalg.norm(ups, axis=-1), 1.0, atol=1e-9)
     if heights is not None:
@@ -199,17 +199,17 @@ def test_real_set(data_dir: Path, name: str) -> None:
 @pytest.mark.parametrize("name", list(REAL))
 def test_real_frame_is_read(data_dir: Path, name: str) -> None:
     recording = open_recording(data_dir / name)
-    index = next((i for i, entry in enumerate(recording.headers) if entry.truth_path), 1)
+    index = next((i for i, entry in enumerate(recording.headers) if entry.labelled), 1)
     frame = recording.read(index)
     assert frame.image.shape == (recording.camera.height, recording.camera.width, 3)
-    if recording.headers[index].truth_path:
+    if recording.headers[index].labelled:
         assert frame.truth is not None
         assert frame.truth.shape == frame.image.shape[:2]
 
 
 def test_readers_agree_on_one_attitude(tmp_path: Path) -> None:
     # The same attitude, roll 0.1 and nose 0.05 up, told in two conventions.
-    own = open_recording(make_sets.images_csv(tmp_path / "a", ["a.png,0,0.1,0.05,1.0,1"])).entries[0].up_cam
-    oxts = open_recording(make_sets.kitti(tmp_path / "b", "49 8 110 0.1 -0.05 -1.0")).entries[0].up_cam
+    own = open_recording(make_sets.images_csv(tmp_path / "a", ["a.png,0,0.1,0.05,1.0,1"])).headers[0].up_cam
+    oxts = open_recording(make_sets.kitti(tmp_path / "b", "49 8 110 0.1 -0.05 -1.0")).headers[0].up_cam
     np.testing.assert_allclose(own, oxts, atol=1e-12)
     np.testing.assert_allclose(own, up_in_camera(quaternion_from_rpy(0.1, 0.05, 1.0), MOUNT), atol=1e-12)

@@ -11,6 +11,8 @@ import pytest
 from horizon_dl.data.readers.registry import FORMATS, open_recording
 from horizon_dl.errors import InputError
 
+FOLDERS = ("images_csv", "kitti", "paparazzi", "tum", "euroc")
+
 
 def message(folder: Path, format_: str | None = None) -> str:
     with pytest.raises(InputError) as caught:
@@ -26,13 +28,13 @@ def test_folder_that_is_no_set(tmp_path: Path) -> None:
     assert "is empty" in text
     assert all(name in text for name in FORMATS)
     (tmp_path / "notes.txt").write_text("hello")
-    assert "is not a data set of a known format" in message(tmp_path)
+    assert "is not a recording of a known format" in message(tmp_path)
     assert "does not exist" in message(tmp_path / "none")
-    assert "is a file" in message(tmp_path / "notes.txt")
+    assert "is not a recording of a known format" in message(tmp_path / "notes.txt")
     assert "choose one of images_csv" in message(tmp_path, "rosbag")
 
 
-@pytest.mark.parametrize("name", FORMATS)
+@pytest.mark.parametrize("name", FOLDERS)
 def test_named_format_that_is_not_there(tmp_path: Path, name: str) -> None:
     assert str(tmp_path) in message(tmp_path, name)
 
@@ -162,7 +164,7 @@ def test_log_that_is_cut_off_in_its_last_line_is_read(tmp_path: Path) -> None:
     folder = make_sets.euroc(tmp_path)
     imu = folder / "mav0" / "imu0" / "data.csv"
     imu.write_text(imu.read_text()[:-9])
-    assert len(open_recording(folder).entries) == 3
+    assert len(open_recording(folder).headers) == 3
 
 
 def test_euroc_samples_that_are_zero_give_no_attitude(tmp_path: Path) -> None:
@@ -188,7 +190,7 @@ MAKERS: list[Callable[[Path], Path]] = [
 SUFFIXES = {".csv", ".txt", ".yaml"}
 
 
-@pytest.mark.parametrize("make", MAKERS, ids=[*FORMATS, "euroc_truth"])
+@pytest.mark.parametrize("make", MAKERS, ids=[*FOLDERS, "euroc_truth"])
 def test_damaged_text_never_gives_another_error(tmp_path: Path, make: Callable[[Path], Path]) -> None:
     folder = make(tmp_path)
     rng = random.Random(0)
@@ -206,6 +208,6 @@ def test_damaged_text_never_gives_another_error(tmp_path: Path, make: Callable[[
                 damaged[at : at + 3] = bytes(rng.choice(b"0-9,.:x\n \xff[]{}e#nan") for _ in range(3))
             path.write_bytes(bytes(damaged))
             with contextlib.suppress(InputError):
-                assert open_recording(folder).entries
+                assert open_recording(folder).headers
         path.write_bytes(whole)
-    assert open_recording(folder).entries
+    assert open_recording(folder).headers

@@ -1,15 +1,13 @@
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from PIL import Image
 
-from horizon_dl.data.frame import Frame, FrameHeader
+from horizon_dl.data.frame import Frame, RangeImage
 from horizon_dl.data.readers.registry import open_recording
-from horizon_dl.data.source import Recording
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.metrics.accumulators import scored_pixels
-from horizon_dl.metrics.obstacle_height import CROSSING, LOW, UNKNOWN, SecondTruth, obstacle_kinds
+from horizon_dl.metrics.obstacle_height import CROSSING, LOW, UNKNOWN, by_height, obstacle_kinds
 
 HEIGHT, WIDTH = 20, 640
 ELEVATION = np.broadcast_to(np.linspace(0.19, -0.19, HEIGHT, dtype=np.float32)[:, None], (HEIGHT, WIDTH))
@@ -79,21 +77,18 @@ def test_a_range_image_of_half_the_size_says_nearly_the_same():
     assert np.mean(half[BELOW] == whole[BELOW]) > 0.8  # all but a row at either end of a thing
 
 
-def recording_with_range(tmp_path: Path) -> tuple[Recording, Frame]:
+def frame_with_ranges() -> Frame:
     truth, range_m = scene()
-    path = tmp_path / "range.png"
-    Image.fromarray((np.nan_to_num(range_m) * 1000).astype(np.uint16)).save(path)
     camera = Camera("pinhole", WIDTH, HEIGHT, 50.0, 50.0, (WIDTH - 1) / 2, (HEIGHT - 1) / 2)
     up_cam = np.array([0.0, -1.0, 0.0])
-    entry = FrameHeader("a", 0.0, tmp_path / "a.png", up_cam, range_path=path)
-    frame = Frame("a", 0.0, np.zeros((HEIGHT, WIDTH, 3), np.uint8), camera, up_cam, None, truth)
-    return Recording("set", "images_csv", camera, [entry]), frame
+    image, ranges = np.zeros((HEIGHT, WIDTH, 3), np.uint8), RangeImage(range_m.astype(np.float32), "axis")
+    return Frame("a", 0.0, up_cam, image=image, camera=camera, truth=truth, ranges=ranges)
 
 
-def test_parts_hold_all_the_floor_and_one_kind_of_obstacle(tmp_path):
-    recording, frame = recording_with_range(tmp_path)
+def test_parts_hold_all_the_floor_and_one_kind_of_obstacle():
+    frame = frame_with_ranges()
     below = scored_pixels(frame)
-    parts = SecondTruth(recording).parts(frame, below)
+    parts = by_height(frame, below)
     floor = (~below.obstacle).sum()
     for part in parts.values():
         assert (~part.obstacle).sum() == floor
@@ -105,15 +100,10 @@ def test_parts_hold_all_the_floor_and_one_kind_of_obstacle(tmp_path):
     assert not low.mask[:15, :200].any()
 
 
-@pytest.mark.parametrize("lacking", ["frame", "truth", "range"])
-def test_without_range_or_truth_there_are_no_parts(tmp_path, lacking):
-    recording, frame = recording_with_range(tmp_path)
-    if lacking == "range":
-        (tmp_path / "range.png").write_bytes(b"no image")
-    name = "another" if lacking == "frame" else frame.name
-    truth = None if lacking == "truth" else frame.truth
-    frame = Frame(name, 0.0, frame.image, frame.camera, frame.up_cam, None, truth)
-    assert SecondTruth(recording).parts(frame, scored_pixels(frame)) == {}
+@pytest.mark.parametrize("lacking", ["truth", "ranges", "up_cam"])
+def test_without_ranges_truth_or_attitude_there_are_no_parts(lacking):
+    frame = replace(frame_with_ranges(), **{lacking: None})
+    assert by_height(frame, scored_pixels(frame)) == {}
 
 
 @pytest.mark.real_data
@@ -121,7 +111,7 @@ def test_cars_lower_than_the_camera_are_low_on_kitti(data_dir):
     recording = open_recording(data_dir / "kitti")
     frame = recording.read(25)
     below = scored_pixels(frame)
-    parts = SecondTruth(recording).parts(frame, below)
+    parts = by_height(frame, below)
     shares = {name: part.obstacle.sum() / below.obstacle.sum() for name, part in parts.items()}
     assert shares["crossing"] + shares["low"] == pytest.approx(1.0)  # every label has a measurement
     assert 0.05 < shares["low"] < 0.6

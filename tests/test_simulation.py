@@ -183,7 +183,7 @@ def test_a_seed_stands_for_a_set(gl: None, tmp_path: Path) -> None:
         simulate(tmp_path / name, frames=2, seed=3, width=96, height=72)
     for part in ("frames.csv", "camera.yaml", "images/00001.jpg", "labels/00001.png", "depth/00001.png"):
         assert (tmp_path / "a" / part).read_bytes() == (tmp_path / "again" / part).read_bytes()
-    frame = load_frame(open_recording(tmp_path / "a"), 0)
+    frame = open_recording(tmp_path / "a").read(0)
     assert frame.image.shape == (72, 96, 3)
     assert frame.camera.cx == 47.5
     assert set(np.unique(frame.truth)) <= {1, 2, 3}

@@ -12,7 +12,7 @@ CAMERA = Camera("pinhole", 8, 8, 8.0, 8.0, 3.5, 3.5)
 
 def frame_with(truth):
     image = np.zeros((8, 8, 3), np.uint8)
-    return Frame("a", 0.0, image, CAMERA, np.array([0.0, -1.0, 0.0]), None, truth)
+    return Frame("a", 0.0, np.array([0.0, -1.0, 0.0]), image=image, camera=CAMERA, truth=truth)
 
 
 def test_only_labelled_pixels_below_the_horizon_are_scored():

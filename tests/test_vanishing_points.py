@@ -78,5 +78,5 @@ def test_plumb_lines_point_up(data_dir: Path, name: str, stem: str, line: Line, 
 @pytest.mark.real_data
 def test_standing_drone_keeps_its_horizon(data_dir: Path) -> None:
     # The drone of the EuRoC sample stands still, its gyroscope off by 4.5 degrees a second.
-    ups = np.array([entry.up_cam for entry in open_recording(data_dir / "euroc_sample").entries])
+    ups = np.array([entry.up_cam for entry in open_recording(data_dir / "euroc_sample").headers])
     assert np.degrees(np.arccos(np.clip(ups @ ups[0], -1, 1))).max() < 0.5

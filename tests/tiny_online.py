@@ -6,7 +6,6 @@ from pathlib import Path
 from safetensors.torch import load_file
 
 from horizon_dl.config import Config, load_config
-from horizon_dl.data.capture.stream import recorded_stream
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.online.run import OnlineRun
 from horizon_dl.online.run_directory import CHECKPOINT
@@ -36,9 +35,7 @@ def tiny_config(*overrides: str) -> Config:
 
 
 def tiny_run(data: Path, out: Path, *overrides: str, **options) -> OnlineRun:
-    recording = open_recording(data)
-    config = tiny_config(*overrides)
-    return OnlineRun(recorded_stream(recording), config, out, recording=recording, **options)
+    return OnlineRun(open_recording(data), tiny_config(*overrides), out, **options)
 
 
 def frame_lines(out: Path) -> list[dict]:

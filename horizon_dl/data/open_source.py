@@ -31,6 +31,9 @@ def open_source(
     """
     if not is_live(str(where)):
         return open_recording(Path(where), format, given)
+    if given.needs_attitude and given.attitude is None:
+        problem = "has no attitude: nothing says where the horizon lies"
+        raise InputError(where, problem, "give --attitude mavlink:URL, or constant:ROLL,PITCH in degrees")
     calibration = None if given.camera is None else read_calibration(given.camera)
     attitude = None if given.attitude is None else read_attitude(given.attitude)
     if isinstance(attitude, AttitudeLog):

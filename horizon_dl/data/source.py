@@ -119,7 +119,7 @@ class Recording:
         Raises:
             FrameError: the image or its truth cannot be read or has another size than the camera.
         """
-        return checked(self._frame(index, with_truth and self.headers[index].labelled))
+        return checked(self._frame(index, with_truth))
 
     def frames(self, start: int = 0) -> Iterator[Frame | FrameError]:
         """Frames as far as they can be had.
@@ -143,11 +143,14 @@ class Recording:
         """Nothing to stop: frames come as fast as they are asked for."""
 
     def _frame(self, index: int, with_truth: bool) -> Frame:
-        pixels = self.load(index, with_truth)
-        return Frame(**vars(self.headers[index]), **vars(pixels), camera=self.camera)
+        header, pixels = self.headers[index], self.load(index, with_truth)
+        truth = pixels.truth if header.labelled else None
+        return Frame(
+            **vars(header), image=pixels.image, camera=self.camera, truth=truth, ranges=pixels.ranges
+        )
 
     def _as_far_as_readable(self, index: int) -> Frame | FrameError:
-        for with_truth in (self.headers[index].labelled, False):
+        for with_truth in (True, False):
             try:
                 return self._frame(index, with_truth)
             except FrameError as error:
