@@ -24,6 +24,8 @@ from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.model import ObstacleModel
 
+pytestmark = pytest.mark.usefixtures("trusting")
+
 
 def parsed(*arguments: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser()

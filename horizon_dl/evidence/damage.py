@@ -19,6 +19,8 @@ TORN_OUTLIER = 1.8
 """A tear is worse than the rows around it by this factor; a straight edge along a row may be, too."""
 TORN_FIT = 0.7
 """But only a tear is undone by a shift: the shifted rows fit better by this factor."""
+TORN_REST = 1.5
+"""And what is left is hardly more than the rows around differ."""
 SUSPECTS = 3
 
 
@@ -69,4 +71,5 @@ def _undone(grey: Floats, change: Floats, row: int) -> bool:
         float(np.abs(one[max(0, -s) : width - max(0, s)] - other[max(0, s) : width - max(0, -s)]).mean())
         for s in shifts
     ]
-    return bool(fits) and min(fits) < TORN_FIT * float(change[row])
+    usual = max(LEAST_CHANGE, TORN_REST * float(around.mean()))
+    return bool(fits) and min(fits) < min(usual, TORN_FIT * float(change[row]))

@@ -39,7 +39,7 @@ class ClockOffset:
 
     def to_ours(self, sender_s: float, arrival_s: float) -> float:
         """When a message was sent, by our clock; never later than its arrival; NaN: a wrong stamp."""
-        if arrival_s - sender_s < self._offset_s - MAX_AHEAD_S:
+        if math.isfinite(self._offset_s) and arrival_s - sender_s < self._offset_s - MAX_AHEAD_S:
             self._ahead += 1
             if self._ahead < AHEAD_BELIEVED:
                 return math.nan
