@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from horizon_dl.evidence.appearance import FEATURES, appearance
 from horizon_dl.evidence.damage import damage
@@ -18,6 +17,7 @@ from horizon_dl.evidence.sketch import sketch_of
 from horizon_dl.evidence.stream import MotionWatch, Seen
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import PolarView
+from horizon_dl.geometry.resize import area_resize
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome, no_distances
 
 Mask = NDArray[np.bool_]
@@ -176,7 +176,7 @@ def without(found: FreeDistances, unknown: Mask) -> FreeDistances:
 
 
 def working_image(image: NDArray[np.uint8], shape: tuple[int, ...]) -> NDArray[np.uint8]:
-    """(h, w, 3) the picture at the working size, by area averaging."""
+    """(h, w, 3) the picture at the working size, by area averaging, as the training pictures were."""
     if image.shape[:2] == tuple(shape):
         return image
-    return np.asarray(Image.fromarray(image).resize((shape[1], shape[0]), Image.Resampling.BOX))
+    return area_resize(image, (shape[1], shape[0]))

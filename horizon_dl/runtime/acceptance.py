@@ -36,6 +36,15 @@ def checked_threshold(card: Mapping[str, Any]) -> float:
     return float(value)
 
 
+def checked_size(card: Mapping[str, Any]) -> tuple[int, int]:
+    """(w, h), the working size of a card; ValueError where it is none."""
+    size = card["working_size"]
+    good = isinstance(size, list) and len(size) == 2 and all(type(side) is int and side > 0 for side in size)
+    if not good:
+        raise ValueError("its working size is no pair of numbers")
+    return size[0], size[1]
+
+
 def checked_place(card: Mapping[str, Any]) -> Place | None:
     """The evidence limits of a card, None where it has none; ValueError for damaged ones."""
     found = card.get("evidence")

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.runtime.acceptance import checked_place, checked_threshold, smoke_test
+from horizon_dl.runtime.acceptance import checked_place, checked_size, checked_threshold, smoke_test
 from horizon_dl.runtime.checksum import read_sealed
 
 INPUTS = ("image", "up_cam")
@@ -75,7 +75,7 @@ class ObstacleModel:
         self.sha256 = sha256
         self.camera = camera_from_card(card)
         self.place = checked_place(card)
-        self.size: tuple[int, int] = (card["working_size"][0], card["working_size"][1])
+        self.size = checked_size(card)
         self.threshold = checked_threshold(card)
 
     @classmethod

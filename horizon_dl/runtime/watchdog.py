@@ -1,12 +1,13 @@
 """Says whether the sectors may be believed; pure, its clock is the caller's."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 Clock = Callable[[], float]
 
 STALE_S = 0.3
 REPEAT_S = 5.0
+REASONS_LENGTH = 31
 DOUBT_S = 2.0
 """A doubt is said for so long after the last frame that raised it: what flickers is not said anew."""
 
@@ -96,8 +97,22 @@ class Watchdog:
         first_and_good = self._said is None and not troubles
         self._said, self._said_s = troubles, now
         if troubles:
-            return "Obstacles unknown: " + ", ".join(troubles)
+            return "Obstacles unknown: " + fitting(troubles)
         return "Obstacles: ready" if first_and_good else "Obstacles: recovered"
 
     def _stale(self, time_s: float | None) -> bool:
         return time_s is None or self.clock() - time_s > self.stale_s
+
+
+def fitting(reasons: Sequence[str]) -> str:
+    """As many reasons as a STATUSTEXT holds whole behind "Obstacles unknown: "; the first in any case.
+
+    Example:
+        >>> fitting(("net is wrong about horizon", "unfamiliar picture"))
+        'net is wrong about horizon'
+    """
+    text = reasons[0]
+    for reason in reasons[1:]:
+        if len(text) + len(reason) + 2 <= REASONS_LENGTH:
+            text = f"{text}, {reason}"
+    return text
