@@ -20,12 +20,13 @@ $(STAMP): $(UV) pyproject.toml constraints.txt
 	touch $@
 
 demo: $(STAMP)
-	$(BIN)/horizon-dl demo --out demo
+	$(BIN)/horizon-dl demo --out demo --overwrite
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports
 
 test: lint
 	$(BIN)/pytest -q

@@ -21,8 +21,7 @@ from horizon_dl.metrics.metrics import method_metrics
 from horizon_dl.models.dropout import image_tensor
 from horizon_dl.models.fcn import HorizonFCN, enlarge
 from horizon_dl.reporting.table import format_markdown
-from horizon_dl.uncertainty.measures import binary_entropy
-from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy
 
 COUNTS = (1, 4, 16, 64)
 

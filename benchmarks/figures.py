@@ -64,7 +64,7 @@ def main() -> None:
         }
     found |= {"seeds": list(range(arguments.seeds)), "versions": versions(), "machine": machine()}
     found["seconds"] = round(time.perf_counter() - start)
-    with output_folder(arguments.out) as out:
+    with output_folder(arguments.out, "figures", overwrite=True) as out:
         write_json(out / "figures.json", found)
         write_text(out / "figures.md", as_markdown(found))
     print(as_markdown(found))

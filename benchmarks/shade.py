@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.evaluation.compare import split_recording
+from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.learners import Method, NetMethod, fit_forest
 from horizon_dl.metrics.accumulators import ScoredPixels, enlarged, scored_pixels
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.reporting.table import format_markdown
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.train import THRESHOLD_FRAMES, evenly
-from horizon_dl.uncertainty.percentile import stream_percentile
+from horizon_dl.training.train import evenly
+from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
 from horizon_dl.workers import HereWorkers
 
 DARK = 0.6
@@ -90,11 +91,15 @@ def lit_and_shaded(frame: Frame, pixels: ScoredPixels) -> tuple[NDArray[np.bool_
 
 
 def _percentile_threshold(method: Method, store: FrameStore, train: Sequence[int]) -> float:
-    frames = store.frames(evenly(train, THRESHOLD_FRAMES))
+    config = store.config
     entropies = (
-        method.score_maps(frame, view)["entropy"][~np.isnan(view.elevation)] for frame, view in frames
+        (
+            method.score_maps(frame, view)["entropy"],
+            labelled_pixels(view.elevation, config.labels.band_rad),
+        )
+        for frame, view in store.frames(evenly(train, MOST_FRAMES))
     )
-    return stream_percentile(entropies, store.config.threshold.percentile)
+    return paper_threshold(entropies, config.threshold.percentile)
 
 
 def shade_markdown(found: dict[str, list[dict[str, Any]]]) -> str:

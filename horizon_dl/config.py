@@ -8,23 +8,28 @@ from typing import Annotated, Any, Literal
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from horizon_dl.errors import InputError
+from horizon_dl.config_file import builtin_config, keys_with_meaning
+from horizon_dl.data.safe_yaml import brief, parse_yaml, read_yaml
+from horizon_dl.errors import InputError, shortened
+from horizon_dl.nearest_word import meant
 
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
 Positive = Annotated[float, Field(gt=0.0)]
-Count = Annotated[int, Field(ge=1)]
+# Limits above are far over all use: they keep a slip of the keyboard from taking all memory.
+Count = Annotated[int, Field(ge=1, le=10**9)]
+Few = Annotated[int, Field(ge=1, le=4096)]
 
 
 class Section(BaseModel):
     """A part of the configuration; an unknown key is an error, not a silent typo."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class ImageConfig(Section):
     """At which size everything is computed."""
 
-    max_pixels: Annotated[int, Field(ge=1024)] = 76_800
+    max_pixels: Annotated[int, Field(ge=1024, le=10**8)] = 76_800
 
 
 class LabelConfig(Section):
@@ -48,17 +53,17 @@ class ModelConfig(Section):
     """The net and its dropout."""
 
     kind: Literal["fcn", "mobilenet_v3_small", "resnet18"] = "fcn"
-    channels: Count = 32
+    channels: Few = 32
     dropout: Share = 0.25
-    samples: Count = 16
+    samples: Few = 16
 
 
 class TrainConfig(Section):
     """Training with the Lightning trainer."""
 
-    rounds: tuple[Count, ...] = Field(default=(150, 100, 200), min_length=1)
-    batch: Count = 9
-    crop: Annotated[int, Field(ge=32)] = 128
+    rounds: tuple[Count, ...] = Field(default=(150, 100, 200), min_length=1, max_length=1000)
+    batch: Few = 9
+    crop: Annotated[int, Field(ge=32, le=10**5)] = 128
     learning_rate: Positive = 0.003
     weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
     average_decay: Share = 0.98
@@ -77,14 +82,14 @@ class TrainerConfig(Section):
 class OnlineConfig(Section):
     """Learning from a stream, one pass."""
 
-    warm_up_frames: Annotated[int, Field(ge=0)] = 20
+    warm_up_frames: Annotated[int, Field(ge=0, le=10**9)] = 20
     warm_up_steps: Count = 12
     steps_per_frame: Count = 2
-    batch: Annotated[int, Field(ge=2)] = 6
+    batch: Annotated[int, Field(ge=2, le=4096)] = 6
     learning_rate: Positive = 0.003
     half_rate_steps: Count = 300
     least_rate: Positive = 0.0003
-    memory_mb: Positive = 64.0
+    memory_mb: Annotated[float, Field(gt=0.0, le=1e6)] = 64.0
     checkpoint_frames: Count = 300
     checkpoint_s: Positive = 30.0
 
@@ -92,7 +97,7 @@ class OnlineConfig(Section):
 class ForestConfig(Section):
     """The paper's random forest."""
 
-    trees: Count = 20
+    trees: Few = 20
     min_samples_leaf: Count = 10
     training_pixels: Count = 400_000
 
@@ -106,7 +111,7 @@ class ThresholdConfig(Section):
 class Config(Section):
     """The whole configuration."""
 
-    seed: Annotated[int, Field(ge=0)] = 0
+    seed: Annotated[int, Field(ge=0, lt=2**31)] = 0
     image: ImageConfig = ImageConfig()
     labels: LabelConfig = LabelConfig()
     target: TargetConfig = TargetConfig()
@@ -116,25 +121,6 @@ class Config(Section):
     online: OnlineConfig = OnlineConfig()
     forest: ForestConfig = ForestConfig()
     threshold: ThresholdConfig = ThresholdConfig()
-
-
-def config_folder() -> Path:
-    """Folder of the built-in configs: inside an installed package, or at the top of a checkout."""
-    installed = Path(__file__).parent / "configs"
-    return installed if installed.is_dir() else Path(__file__).parent.parent / "configs"
-
-
-def builtin_configs() -> list[str]:
-    """Names of the built-in configs."""
-    return sorted(path.stem for path in config_folder().glob("*.yaml"))
-
-
-def builtin_config(name: str) -> Path:
-    """Path of a built-in config; InputError for an unknown name."""
-    path = config_folder() / f"{name}.yaml"
-    if name not in builtin_configs():
-        raise InputError(name, "is no built-in config", f"take one of {', '.join(builtin_configs())}")
-    return path
 
 
 def load_config(source: str | Path | None = None, overrides: Sequence[str] = ()) -> Config:
@@ -165,37 +151,33 @@ def save_config(config: Config, path: Path) -> None:
 
 def _read_yaml(path: Path) -> dict[str, Any]:
     try:
-        tree = yaml.safe_load(path.read_text())
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, f"cannot be read ({_reason(error)})", "give a readable YAML file") from None
-    except yaml.YAMLError as error:
-        raise InputError(path, f"is not valid YAML ({_one_line(error)})", "mend it at that line") from None
+        tree = read_yaml(path)
+    except FileNotFoundError:
+        problem = "cannot be read (No such file or directory)"
+        raise InputError(path, problem, "give a YAML file, or the name of a built-in config") from None
     if not isinstance(tree, dict):
         raise InputError(path, "holds no sections", "start from `horizon-dl config copy default`")
     return tree
 
 
-def _put(tree: dict[str, Any], override: str) -> None:
+def _put(tree: dict[Any, Any], override: str) -> None:
     dotted, _, value = override.partition("=")
     *sections, key = dotted.split(".")
     for section in sections:
         tree = tree.setdefault(section, {})
         if not isinstance(tree, dict):
             raise InputError(f"--{dotted}", f"'{section}' is a value, not a section", "see `config show`")
-    tree[key] = yaml.safe_load(value)
+    try:
+        tree[key] = parse_yaml(value)
+    except ValueError as error:
+        raise InputError(f"--{dotted}", f"its value {error}", "quote it, as in 'KEY=[1, 2]'") from None
 
 
 def _first_problem(error: ValidationError) -> str:
-    detail = error.errors()[0]
-    key = ".".join(str(part) for part in detail["loc"])
+    detail = error.errors(include_url=False)[0]
+    key = shortened(".".join(str(part) for part in detail["loc"]), 200)
     if detail["type"] == "extra_forbidden":
-        return f"has no key '{key}'"
-    return f"{key} = {detail['input']!r}: {detail['msg'][0].lower()}{detail['msg'][1:]}"
-
-
-def _reason(error: Exception) -> str:
-    return getattr(error, "strerror", None) or type(error).__name__
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())
+        return f"has no key '{key}'{meant(key, (name for name, _, _ in keys_with_meaning()))}"
+    if detail["type"] == "missing":
+        return f"lacks the key '{key}'"
+    return f"{key} = {brief(detail['input'])}: {detail['msg'][0].lower()}{detail['msg'][1:]}"

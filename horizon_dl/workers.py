@@ -14,6 +14,7 @@ Result = TypeVar("Result")
 AHEAD = 2
 """Items a worker's thread is given ahead; results are taken in order, so memory stays bounded."""
 CONNECT_S = 10
+LOOPBACK = "127.0.0.1:0"
 
 
 class Workers(Protocol):
@@ -82,7 +83,10 @@ def open_workers(scheduler: str | None) -> Iterator[Workers]:
     from distributed import Client
 
     try:
-        client = Client(address=None if scheduler == "local" else scheduler, timeout=CONNECT_S)
+        if scheduler == "local":  # nobody but this machine may ask its scheduler, or look at it
+            client = Client(dashboard_address=LOOPBACK, host="127.0.0.1", timeout=CONNECT_S)
+        else:
+            client = Client(address=scheduler, timeout=CONNECT_S)
     except (OSError, ValueError) as error:
         reason = str(error).partition("\n")[0] or type(error).__name__
         raise InputError(

@@ -1,11 +1,14 @@
 import argparse
+import os
+import time
 from pathlib import Path
 
 import pytest
 import yaml
 
 from horizon_dl.cli.options import add_config, resolve_config
-from horizon_dl.config import Config, builtin_configs, load_config, save_config
+from horizon_dl.config import Config, load_config, save_config
+from horizon_dl.config_file import builtin_configs
 from horizon_dl.errors import InputError
 
 
@@ -35,6 +38,16 @@ def test_overrides_go_on_top_and_survive_a_round_trip(tmp_path):
         ("train.batch=many", "train.batch = 'many'"),
         ("target.kind=soft", "target.kind = 'soft'"),
         ("seed.x=1", "'seed' is a value"),
+        ("train.rounds=[1, 2", "--train.rounds: its value is not valid YAML"),
+        ("train.batch=" + "9" * 400, "train.batch = a number of many digits"),
+        ("train.batch=" + "9" * 5000, "a number of more than 400 digits"),
+        ("train.learning_rate=.inf", "train.learning_rate = inf"),
+        ("model.dropout=" + "[" * 300, "--model.dropout: its value is"),
+        ("train=3", "train = 3"),
+        ("train..x=3", "has no key 'train.'"),
+        ("seed=99999999999", "seed = 99999999999"),
+        ("train.batch=&a [*a]", "a value holds itself"),
+        ("train.batch=", "train.batch = None"),
     ],
 )
 def test_a_wrong_value_is_named(override, words):
@@ -48,6 +61,45 @@ def test_a_wrong_value_is_named(override, words):
 def test_a_wrong_file_is_named(tmp_path, text):
     (tmp_path / "c.yaml").write_text(text)
     with pytest.raises(InputError, match=r"c\.yaml"):
+        load_config(tmp_path / "c.yaml")
+
+
+def bomb(levels: int = 30) -> str:
+    """Each line stands for ten of the one before."""
+    lines = ["a0: &a0 x"]
+    lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, levels)]
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (bomb(), "more than 12000 values"),
+        (bomb() + "\ntrain: {batch: *a29}", "more than 12000 values"),
+        ("a: &a {b: 1}\nc: &c {<<: [*a, *a]}\n" + bomb(), "more than 12000 values"),
+        ("{a: " * 100_000, "is larger than 256 KB"),
+        ("[" * 20_000, "nested deeper"),
+        ("[" + "1," * 100_000, "more than 12000 values"),
+        ("a: " + "word " * 50_000, "has no key 'a'"),
+        ("a: " + "1:" * 100_000 + "1", "more than 400 digits"),
+        ("? [1, 2]\n: 3", "is not valid YAML"),
+        ("a: !!python/object/apply:os.system [ls]", "is not valid YAML"),
+        ("a: 2001-99-99", "a value cannot be read"),
+    ],
+)
+def test_files_that_grow_are_refused_at_once(tmp_path, text, words):
+    (tmp_path / "c.yaml").write_text(text)
+    start = time.process_time()
+    with pytest.raises(InputError, match=words) as error:
+        load_config(tmp_path / "c.yaml")
+    assert time.process_time() - start < 2
+    assert len(str(error.value)) < 1000
+    assert "\n" not in str(error.value)
+
+
+def test_a_pipe_is_no_config(tmp_path):
+    os.mkfifo(tmp_path / "c.yaml")
+    with pytest.raises(InputError, match="is a pipe or device"):
         load_config(tmp_path / "c.yaml")
 
 

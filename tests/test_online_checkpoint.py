@@ -19,7 +19,7 @@ from toy import write_toy_set
 from horizon_dl.cli import main
 from horizon_dl.errors import InputError
 from horizon_dl.online.frame_log import FrameLog
-from horizon_dl.training import checkpoint
+from horizon_dl.training import checkpoint, tensor_file
 from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 
 FRAMES = 40
@@ -48,7 +48,7 @@ def finish(data: Path, out: Path) -> None:
 def learn_and_die(data: Path, out: Path, started, point: str, count: int) -> None:
     """A child that kills itself at a point of its `count`-th checkpoint, or is killed from outside."""
     calls = {"save": 0}
-    save_file, replace = checkpoint.save_file, Path.replace
+    save_file, replace = tensor_file.save_file, Path.replace
 
     def die() -> None:
         os.kill(os.getpid(), signal.SIGKILL)
@@ -71,7 +71,7 @@ def learn_and_die(data: Path, out: Path, started, point: str, count: int) -> Non
             die()
         return moved
 
-    checkpoint.save_file, Path.replace = save, move
+    tensor_file.save_file, Path.replace = save, move
     started.set()
     finish(data, out)
 
@@ -130,7 +130,7 @@ def test_no_pickle_is_in_the_file(toy, tmp_path):
     tiny_run(toy, tmp_path / "run", max_frames=2).run()
     content = (tmp_path / "run" / "checkpoint.safetensors").read_bytes()
     header = json.loads(content[8 : 8 + int.from_bytes(content[:8], "little")])
-    assert set(header["__metadata__"]) == {"values"}
+    assert set(header["__metadata__"]) == {"values", "sha256"}
     assert b"ctorch" not in content
 
 
@@ -141,12 +141,12 @@ def full_disk(*_) -> None:
 def test_learning_goes_on_while_no_checkpoint_can_be_written(toy, whole, tmp_path, monkeypatch, capsys):
     out = tmp_path / "run"
     run = tiny_run(toy, out, *EVERY_FRAME, max_frames=20)
-    real, settle = checkpoint.save_file, run.settle
+    real, settle = tensor_file.save_file, run.settle
 
     def settle_and_fill(seen) -> None:
         settle(seen)
         full = 5 <= seen.index < 12
-        monkeypatch.setattr(checkpoint, "save_file", full_disk if full else real)
+        monkeypatch.setattr(tensor_file, "save_file", full_disk if full else real)
         if seen.index == 11:
             assert read_checkpoint(out / "checkpoint.safetensors").values["place"]["position"] == 5
 
@@ -172,7 +172,7 @@ def test_a_second_learner_in_a_folder_is_one_line(toy, tmp_path, capsys):
 
 
 def test_a_disk_full_from_the_start_is_one_line(toy, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(checkpoint, "save_file", full_disk)
+    monkeypatch.setattr(tensor_file, "save_file", full_disk)
     assert main(["online", str(toy), "--out", str(tmp_path / "run"), *tiny_options()]) == 2
     lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("horizon-dl: ")]
     assert len(lines) == 1

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from horizon_dl.data.frame import Truth
-from horizon_dl.reporting.cells import resize_map
-from horizon_dl.reporting.text import shorten, text_size
+from horizon_dl.visualization.cells import resize_map
 from horizon_dl.visualization.colours import (
     HORIZON_COLOUR,
     NO_VALUE_COLOUR,
@@ -24,6 +23,7 @@ from horizon_dl.visualization.overlays import (
     shrink_truth,
 )
 from horizon_dl.visualization.panels import PanelRow, frame_panel, image_bytes, save_panel
+from horizon_dl.visualization.text import shorten, text_size
 
 V, U = np.mgrid[:48, :64].astype(float)
 LEVEL = (20.25 - V) * 0.01  # rad; the horizon lies at row 20.25

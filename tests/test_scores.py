@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.view import View
+from horizon_dl.methods.scores import fused_score
 from horizon_dl.targets.geodesic import horizon_distance, step_cost, way_share
-from horizon_dl.uncertainty.scores import fused_score
 
 HEIGHT, WIDTH = 40, 56
 

@@ -1,24 +1,10 @@
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from scipy import ndimage
 
-from horizon_dl.uncertainty.obstacle_map import obstacle_map, percentile_threshold, without_lone_pixels
-
-
-def test_percentile_of_known_numbers():
-    assert percentile_threshold(np.arange(101) / 100.0) == pytest.approx(0.25)
-    assert percentile_threshold(np.arange(101).reshape(1, 101) / 100.0, 90.0) == pytest.approx(0.9)
-    assert percentile_threshold([0.0, np.nan, 1.0], 50.0) == pytest.approx(0.5)
-
-
-def test_percentile_without_scores_or_out_of_range_is_refused():
-    with pytest.raises(ValueError, match="no training uncertainty"):
-        percentile_threshold([np.nan])
-    with pytest.raises(ValueError, match=r"[Pp]ercentile"):
-        percentile_threshold([0.1, 0.2], 101.0)
+from horizon_dl.uncertainty.obstacle_map import obstacle_map, without_lone_pixels
 
 
 def test_lone_pixels_go_and_pairs_stay_diagonal_ones_too():

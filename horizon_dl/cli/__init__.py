@@ -5,14 +5,19 @@ Verb modules import only light things at their top: `--help` has to answer at on
 
 import argparse
 import os
+import signal
 import sys
+import threading
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 
-from horizon_dl import __version__
-from horizon_dl.errors import InputError
-from horizon_dl.processes import is_helper
+from horizon_dl import __version__, processes
+from horizon_dl.cli.places import check_places
+from horizon_dl.cli.suggest import SuggestingParser
+from horizon_dl.errors import InputError, printable, shortened
+from horizon_dl.nearest_word import meant
 
 VERBS = {
     "demo": "the whole story on the embedded data set",
@@ -28,6 +33,8 @@ VERBS = {
     "benchmark": "latency of an exported file on this machine",
     "fly": "the onboard loop: obstacle distances for an autopilot",
     "config": "show or copy the commented built-in configs",
+    "template": "files to fill in, for data of your own",
+    "completion": "completion of verbs and options in a shell",
 }
 EXTRA_OF = {"mujoco": "sim", "pymavlink": "drone", "serial": "drone", "cv2": "drone"}
 OURS = "horizon_dl"
@@ -36,9 +43,16 @@ OURS = "horizon_dl"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code: 0 done, 1 failed, 2 wrong use or bad input."""
     parsed = parse(sys.argv[1:] if arguments is None else arguments)
-    if is_helper():
+    processes.begin(parsed.verb)
+    if processes.is_helper():
         _keep_silent()
+    with _signals():
+        return _run(parsed)
+
+
+def _run(parsed: argparse.Namespace) -> int:
     try:
+        check_places(parsed)
         parsed.run(parsed)
     except InputError as error:
         return _say(2, str(error))
@@ -51,12 +65,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except KeyboardInterrupt:
-        return _say(1, "stopped; nothing half-written is left")
+    except KeyboardInterrupt as error:
+        return _say(1, str(error) or "stopped; nothing half-written is left")
     except Exception as error:
         if os.environ.get("HORIZON_DL_TRACEBACK"):
             traceback.print_exc()
-        first_line = str(error).strip().partition("\n")[0]
+        first_line = shortened(str(error).strip().partition("\n")[0])
         return _say(
             1,
             f"{parsed.verb} failed: {type(error).__name__}: {first_line}; HORIZON_DL_TRACEBACK=1 shows where",
@@ -66,27 +80,46 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Parse; dotted options (`--train.batch 4`) are collected in `overrides` for verbs with a config."""
-    parser = argparse.ArgumentParser(
+    parser = SuggestingParser(
         prog="horizon-dl", description="Obstacles from what lies above and below the horizon."
     )
     parser.add_argument("--version", action="version", version=f"horizon-dl {__version__}")
+    plain, overrides = split_overrides(arguments)
+    words = os.environ.get("COMP_LINE", "").split() if "_ARGCOMPLETE" in os.environ else plain
+    verb = next((word for word in plain if not word.startswith("-")), None)
+    if verb is not None and verb not in VERBS:
+        parser.error(f"'{printable(verb)}' is no verb{meant(verb, VERBS)}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", required=True)
     for verb, summary in VERBS.items():
-        module = import_module(f"{OURS}.cli.{verb.replace('-', '_')}")
         child = verbs.add_parser(
-            verb,
-            help=summary,
-            description=module.__doc__,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            verb, help=summary, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
         )
-        module.add_arguments(child)
-        child.set_defaults(run=module.run)
-    plain, overrides = split_overrides(arguments)
+        if verb in words:  # the others' modules would only be loaded to be forgotten
+            module = import_module(f"{OURS}.cli.{verb.replace('-', '_')}")
+            child.description = module.__doc__
+            module.add_arguments(child)
+            if "--help" in plain or "-h" in plain:
+                child.epilog = _keys(child)
+            child.set_defaults(run=module.run)
+    if "_ARGCOMPLETE" in os.environ:
+        import argcomplete
+
+        argcomplete.autocomplete(parser)
     parsed = parser.parse_args(plain)
     if overrides and not hasattr(parsed, "config"):
         parser.error(f"{parsed.verb} takes no config values: --{overrides[0]}")
     parsed.overrides = overrides
     return parsed
+
+
+def _keys(parser: argparse.ArgumentParser) -> str | None:
+    """Every dotted key with its meaning, for the help of verbs with a config."""
+    if parser.get_default("config") is None and not any(a.dest == "config" for a in parser._actions):
+        return None
+    from horizon_dl.config_file import keys_with_meaning
+
+    lines = [f"  --{key} {value}\n      {meaning}" for key, value, meaning in keys_with_meaning()]
+    return "\n".join(["values of the config:", *lines])
 
 
 def split_overrides(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -108,11 +141,34 @@ def split_overrides(arguments: Sequence[str]) -> tuple[list[str], list[str]]:
     return plain, overrides
 
 
+@contextmanager
+def _signals() -> Iterator[None]:
+    """SIGTERM ends a verb as Ctrl-C does, so that nothing half-written is left; once, not in the midst of it.
+
+    Handlers are put back at the end: libraries exchange them for their own.
+    """
+
+    def end(number: int, _: object) -> None:
+        signal.signal(number, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+
+
 def _keep_silent() -> None:
     os.environ["TQDM_DISABLE"] = "1"
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say(code: int, line: str) -> int:
-    print(f"horizon-dl: {line}", file=sys.stderr)
+    print(f"horizon-dl: {printable(line)}", file=sys.stderr)
     return code

@@ -18,6 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
     parser.add_argument("models", type=Path, nargs="+", metavar="MODEL.onnx", help="what `export` wrote")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the figures as JSON")
+    parser.add_argument("--overwrite", action="store_true", help="replace FILE")
     parser.add_argument(
         "--threads", type=positive_int, nargs="+", default=[1, 2], metavar="N", help="default: 1 2"
     )
@@ -28,12 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Measure, print the table, write the figures."""
-    from horizon_dl.errors import InputError
-    from horizon_dl.output import write_json
+    from horizon_dl.output.files import check_file, write_json
     from horizon_dl.runtime.benchmark import benchmark
 
-    if arguments.out and (arguments.out.is_dir() or not arguments.out.absolute().parent.is_dir()):
-        raise InputError(arguments.out, "is no file that can be written", "give a file in an existing folder")
+    if arguments.out:
+        check_file(arguments.out, arguments.overwrite)
     figures = benchmark(arguments.models, arguments.threads, arguments.runs)
     print(
         f"{figures['machine']['processor']}, onnxruntime {figures['versions']['onnxruntime']}, milliseconds"

@@ -10,15 +10,14 @@ in view, it says so and ends with exit code 2.
 """
 
 import argparse
-from pathlib import Path
 
-from horizon_dl.cli.options import add_data, open_data
+from horizon_dl.cli.options import add_data, add_out, open_data
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
     add_data(parser)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="where to write mount.json")
+    add_out(parser, what="where to write mount.json", required=False)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -27,12 +26,13 @@ def run(arguments: argparse.Namespace) -> None:
 
     from horizon_dl.inspection.mount_check import check_mount, mount_lines
     from horizon_dl.output import output_folder, write_json
+    from horizon_dl.output.files import without_nan
 
     check = check_mount(recording, recording.mount_rpy_rad or (0.0, 0.0, 0.0), progress=True)
     print("\n".join(mount_lines(check)))
     if recording.mount_rpy_rad is None and check.is_off:
         print("This format has no camera.yaml: the angles are about the camera's own axes.")
     if arguments.out:
-        with output_folder(arguments.out) as folder:
-            write_json(folder / "mount.json", check.to_json())
+        with output_folder(arguments.out, "calibrate-mount", overwrite=arguments.overwrite) as folder:
+            write_json(folder / "mount.json", without_nan(check.to_json()))
         print(f"wrote {arguments.out / 'mount.json'}")

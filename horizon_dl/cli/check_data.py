@@ -5,16 +5,15 @@ horizon-dl check-data DATA --out DIR      also writes check.json, horizon overla
 """
 
 import argparse
-from pathlib import Path
 
-from horizon_dl.cli.options import add_config, add_data, open_data, resolve_config
+from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
     add_data(parser)
     add_config(parser)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="where to write overlays and the report")
+    add_out(parser, what="where to write overlays and the report", required=False)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -31,6 +30,6 @@ def run(arguments: argparse.Namespace) -> None:
     )
     print("\n".join(check_lines(check)))
     if arguments.out:
-        with output_folder(arguments.out) as folder:
+        with output_folder(arguments.out, "check-data", overwrite=arguments.overwrite) as folder:
             write_check(check, folder)
         print(f"wrote {arguments.out / 'index.html'}")

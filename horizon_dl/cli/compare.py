@@ -51,7 +51,10 @@ def run(arguments: argparse.Namespace) -> None:
 
     split = split_recording(recording, arguments.protocol)
     seeds = list(range(config.seed, config.seed + arguments.seeds))
-    with output_folder(arguments.out) as folder, open_workers(arguments.scheduler) as workers:
+    with (
+        output_folder(arguments.out, "compare", overwrite=arguments.overwrite) as folder,
+        open_workers(arguments.scheduler) as workers,
+    ):
         panels = PanelWriter(folder, len(split.test))
         result = compare(
             recording, config, arguments.protocol, seeds, on_frame=panels, progress=True, workers=workers

@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Print the file, or write a copy of it."""
-    from horizon_dl.config import builtin_config
+    from horizon_dl.config_file import builtin_config
     from horizon_dl.errors import InputError
 
     text = builtin_config(arguments.name).read_text()

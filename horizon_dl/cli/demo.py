@@ -44,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     recording = with_truth_of_every(3, open_recording(embedded_set()))
     split = split_recording(recording, "prequential")
     print(f"learning online from {len(split.train)} frames of the simulated arena, forest beside it")
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out, "demo", overwrite=arguments.overwrite) as folder:
         panels = PanelWriter(folder, len(split.test))
         result = compare(recording, config, "prequential", [config.seed], on_frame=panels, progress=True)
         write_comparison(folder, "Demo: the simulated arena, learned online", result, panels, config)
@@ -57,11 +57,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 def learned_run(result: "Comparison", recording: "Recording", config: "Config") -> "Run":
     """What was learned in the one pass, ready to be exported."""
+    from horizon_dl.methods.registry import NET
     from horizon_dl.training.frame_store import FrameStore
     from horizon_dl.training.train import finished_run
 
     assert result.net is not None
-    return finished_run(result.net, FrameStore(recording, config), result.tallies["cnn"][0].train_s)
+    return finished_run(result.net, FrameStore(recording, config), result.tallies[NET][0].train_s)
 
 
 def with_truth_of_every(step: int, recording: "Recording") -> "Recording":

@@ -22,6 +22,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Evaluate, write the figures, and print their table."""
+    if not is_model_file(arguments.run_folder):
+        from horizon_dl.training.run_files import check_run_folder
+
+        check_run_folder(arguments.run_folder)
     from horizon_dl.evaluation.evaluate import evaluate
     from horizon_dl.methods.onnx_file import load_file_run
     from horizon_dl.output import output_folder
@@ -34,7 +38,10 @@ def run(arguments: argparse.Namespace) -> None:
     trained = load(arguments.run_folder)
     recording = open_data(arguments)
     labelled = sum(entry.labelled for entry in recording.headers)
-    with output_folder(arguments.out) as folder, open_workers(arguments.scheduler) as workers:
+    with (
+        output_folder(arguments.out, "evaluate", overwrite=arguments.overwrite) as folder,
+        open_workers(arguments.scheduler) as workers,
+    ):
         panels = PanelWriter(folder, labelled)
         result = evaluate(trained, recording, on_frame=panels, progress=True, workers=workers)
         title = f"{arguments.run_folder.name} on {recording.name}"

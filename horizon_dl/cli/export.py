@@ -51,6 +51,9 @@ def image_size(text: str) -> tuple[int, int]:
 
 def run(arguments: argparse.Namespace) -> None:
     """Export, compare, measure, write."""
+    from horizon_dl.training.run_files import check_run_folder
+
+    check_run_folder(arguments.run_folder)
     from horizon_dl.data.readers.registry import open_recording
     from horizon_dl.errors import InputError
     from horizon_dl.export.export import export_run, parity_frames, trained_camera
@@ -73,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
     forest_data = open_recording(arguments.forest, arguments.format) if arguments.forest else None
     if data and forest_data and not same_camera(data.calibrated, forest_data.calibrated):
         raise InputError(arguments.forest, "has another camera than --data", "leave --data away")
-    with output_folder(arguments.out) as folder:
+    with output_folder(arguments.out, "export", overwrite=arguments.overwrite) as folder:
         exported = export_run(trained, camera, parity_frames(data) if data else ())
         exported = _measured(exported, data)
         exported.write(folder)

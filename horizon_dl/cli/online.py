@@ -84,6 +84,7 @@ def run(arguments: argparse.Namespace) -> None:
         max_frames=arguments.max_frames,
         export_every_s=arguments.export_every,
         restart=arguments.restart,
+        overwrite=arguments.overwrite,
         progress=True,
     )
     if online.position:

@@ -33,6 +33,9 @@ def add_given(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="added to a log's times to give those of the images (default: 0)",
     )
+    parser.add_argument(
+        "--topic", action="append", default=[], metavar="NAME", help="of a bag, where several fit"
+    )
 
 
 def add_config(parser: argparse.ArgumentParser) -> None:
@@ -45,12 +48,27 @@ def add_config(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="N", help="of the random numbers (default: the config's, 0)")
 
 
-def add_out(parser: argparse.ArgumentParser, default: Path | None = None) -> None:
-    """`--out`."""
-    required = default is None
-    shown = "" if required else f" (default: {default})"
+def add_out(
+    parser: argparse.ArgumentParser,
+    default: Path | None = None,
+    *,
+    what: str = "where to write",
+    required: bool = True,
+) -> None:
+    """`--out` and `--overwrite`."""
+    shown = "" if default is None else f" (default: {default})"
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", required=required, default=default, help=f"where to write{shown}"
+        "--out",
+        type=Path,
+        metavar="DIR",
+        required=required and default is None,
+        default=default,
+        help=f"{what}{shown}",
+    )
+    parser.add_argument(
+        "--overwrite",
+        action="store_true",
+        help="write even where DIR holds something; it replaces earlier results, and files of the same names",
     )
 
 
@@ -99,7 +117,13 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
     """The values of `add_given`."""
     from horizon_dl.data.given import Given
 
-    return Given(arguments.camera, arguments.attitude, arguments.time_offset, needs_attitude)
+    return Given(
+        camera=arguments.camera,
+        attitude=arguments.attitude,
+        time_offset_s=arguments.time_offset,
+        needs_attitude=needs_attitude,
+        topics=tuple(arguments.topic),
+    )
 
 
 def open_data(arguments: argparse.Namespace) -> "Recording":

@@ -43,8 +43,13 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.data.open_source import finished_recording, open_source
     from horizon_dl.errors import FrameError, InputError
     from horizon_dl.output import output_folder
+    from horizon_dl.output.names import ResultNames
+    from horizon_dl.training.run_files import check_run_folder
     from horizon_dl.visualization.panels import save_panel
 
+    _check_film(arguments.video, arguments.overwrite)
+    if not is_model_file(arguments.model):
+        check_run_folder(arguments.model)
     predictions = _from_file if is_model_file(arguments.model) else _from_run
     wanted = given(arguments, needs_attitude=False)
     recording = finished_recording(open_source(arguments.source, arguments.format, wanted))
@@ -52,15 +57,18 @@ def run(arguments: argparse.Namespace) -> None:
         raise InputError("--video", "needs an exported model and a camera", "run `horizon-dl export`")
     count = recording.length
     skipped: dict[str, str] = {}
-    with output_folder(arguments.out) as folder:
-        (folder / "arrays").mkdir()
+    names = ResultNames([header.name for header in recording.headers])
+    with output_folder(arguments.out, "predict", overwrite=arguments.overwrite) as folder:
         for item in tqdm(predictions(arguments.model, recording), "predict", total=count, unit="frame"):
             if isinstance(item, FrameError):
                 skipped[str(item)] = str(item)
                 continue
             name, panel, arrays = item
-            save_panel(folder / "panels" / f"{Path(name).stem}.jpg", panel)
-            np.savez_compressed(folder / "arrays" / f"{Path(name).stem}.npz", **arrays)
+            result = names(name)
+            save_panel(folder / "panels" / f"{result}.jpg", panel)
+            place = folder / "arrays" / f"{result}.npz"
+            place.parent.mkdir(parents=True, exist_ok=True)
+            np.savez_compressed(place, **arrays)
         if len(skipped) == count:
             raise InputError(
                 arguments.source, "holds no frame that can be used", next(iter(skipped.values()))
@@ -69,6 +77,13 @@ def run(arguments: argparse.Namespace) -> None:
     print(f"wrote {count - len(skipped)} panels and arrays to {arguments.out}")
     if arguments.video:
         print(f"wrote {_film(arguments.video, arguments.model, recording)} frames to {arguments.video}")
+
+
+def _check_film(path: Path | None, overwrite: bool) -> None:
+    from horizon_dl.output.files import check_file
+
+    if path is not None:
+        check_file(path, overwrite, "--video")
 
 
 def _film(path: Path, model: Path, recording: "Recording") -> int:

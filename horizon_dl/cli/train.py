@@ -3,12 +3,22 @@
   horizon-dl train DATA --out RUN
   horizon-dl train DATA --out RUN --train.rounds "[300, 400]" --target.kind guided
 
-RUN then holds weights.safetensors, config.yaml, run.json and TensorBoard logs.
+RUN then holds weights.safetensors, config.yaml, run.json and TensorBoard logs. Every minute, and when it is
+stopped by Ctrl-C or SIGTERM, the training (in one process) leaves a checkpoint there; the same command with
+--resume goes on from it, to the same weights.
 """
 
 import argparse
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config, say_skipped
+
+if TYPE_CHECKING:
+    from horizon_dl.training.resumable import TrainingKeeper
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,22 +26,58 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_config(parser)
     add_out(parser)
+    parser.add_argument(
+        "--resume", action="store_true", help="go on from the checkpoint that a stopped training left in RUN"
+    )
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Train on all frames and write the run folder."""
+    """Train on all frames and write the run folder; Ctrl-C and SIGTERM leave a checkpoint."""
+    from horizon_dl.output.folder import check_free
+
+    if not (arguments.resume or arguments.overwrite):
+        check_free(arguments.out)
     recording = open_data(arguments)
     config = resolve_config(arguments)
 
+    from horizon_dl.errors import printable
     from horizon_dl.output import output_folder
+    from horizon_dl.training.resumable import KIND, TrainingKeeper
     from horizon_dl.training.run_folder import save_run
     from horizon_dl.training.train import train_run
 
-    with output_folder(arguments.out) as folder:
-        trained = train_run(recording, config, log_dir=folder / "tensorboard", progress=True)
-        save_run(folder, trained)
-    say_skipped(trained.info["skipped"])
-    print(
-        f"trained on {trained.info['frames']} frames of {recording.name} in {trained.info['train_s']:.0f} s"
+    keeper = TrainingKeeper(
+        arguments.out, recording, config, resume=arguments.resume, overwrite=arguments.overwrite
     )
+    replace = {"overwrite": arguments.overwrite, "adding": arguments.resume}
+    with output_folder(arguments.out, KIND, **replace) as folder:
+        with _stopping(keeper):
+            trained = train_run(
+                recording, config, log_dir=folder / "tensorboard", progress=True, keeper=keeper
+            )
+        save_run(folder, trained)
+    keeper.finish()
+    say_skipped(trained.info["skipped"])
+    name = printable(recording.name)
+    print(f"trained on {trained.info['frames']} frames of {name} in {trained.info['train_s']:.0f} s")
     print(f"wrote {arguments.out}; next: horizon-dl evaluate {arguments.out} {arguments.data} --out DIR")
+
+
+@contextmanager
+def _stopping(keeper: "TrainingKeeper") -> Iterator[None]:
+    """Ctrl-C and SIGTERM end the training in order; a second Ctrl-C at once."""
+
+    def stop(number: int, _: object) -> None:
+        if keeper.stopped and number == signal.SIGINT:
+            raise KeyboardInterrupt
+        keeper.stopped = True
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.frame import FrameHeader
-from horizon_dl.data.readers.parsing import MAX_GAP_S, by_time, column, read_table
+from horizon_dl.data.readers.parsing import MAX_GAP_S, MOST_HEIGHT_M, by_time, column, read_table
 from horizon_dl.data.source import MountRpy
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import bracket, interpolate, quaternion_from_rpy, up_in_camera, yaw_of
@@ -57,7 +57,7 @@ class AttitudeLog:
         if self.heights_m is None or place is None:
             return None
         height_m = float(np.interp(time_s, self.times_s, self.heights_m))
-        return height_m if np.isfinite(height_m) and height_m > 0 else None
+        return height_m if 0 < height_m < MOST_HEIGHT_M else None
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,14 @@ class Given:
         attitude: `--attitude`: a log's file, `constant:ROLL,PITCH` in degrees, or `from-images`.
         time_offset_s: `--time-offset`: is added to the times of the log to give those of the images.
         needs_attitude: a recording without any attitude is refused.
+        topics: of a bag, `--topic`: which of several are meant.
     """
 
     camera: Path | None = None
     attitude: str | None = None
     time_offset_s: float = 0.0
     needs_attitude: bool = True
+    topics: tuple[str, ...] = ()
 
 
 NOTHING_GIVEN = Given()

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from horizon_dl.data.frame import FrameHeader, RangeImage
-from horizon_dl.data.images import load_rgb, load_truth, load_uint16
+from horizon_dl.data.images import MOST_PIXELS, load_rgb, load_truth, load_uint16, most_pixels
 from horizon_dl.data.source import MountRpy, Pixels, Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
@@ -44,16 +44,18 @@ class ImageLoader:
         files: of all frames.
         rotate_quarter_turns_ccw: how a stored image is turned to be upright.
         range_unit: of all range images.
+        most_pixels: of an image that is decoded.
     """
 
     files: tuple[FrameFiles, ...]
     rotate_quarter_turns_ccw: int = 0
     range_unit: RangeUnit = RangeUnit()
+    most_pixels: int = MOST_PIXELS
 
     def __call__(self, index: int, with_truth: bool) -> Pixels:
         """See `Loader`."""
         files = self.files[index]
-        stored = load_rgb(files.image)
+        stored = load_rgb(files.image, self.most_pixels)
         image = np.ascontiguousarray(np.rot90(stored, self.rotate_quarter_turns_ccw))
         truth = load_truth(files.truth, image.shape[:2]) if with_truth and files.truth else None
         ranges = self._ranges(files.ranges, stored.shape) if with_truth and files.ranges else None
@@ -124,5 +126,5 @@ def image_recording(
     if all(header.up_cam is None for header in headers):
         problem = f"no frame has an attitude from {attitude_from}"
         raise InputError(where, problem, "check that its values are numbers")
-    load = ImageLoader(files, rotate_quarter_turns_ccw, range_unit)
+    load = ImageLoader(files, rotate_quarter_turns_ccw, range_unit, most_pixels(camera))
     return Recording(name, format, camera, headers, load, mount_rpy_rad, notes)

@@ -1,5 +1,6 @@
 """Image files: decoded, checked, brought to RGB."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,25 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from horizon_dl.data.frame import Truth
-from horizon_dl.errors import FrameError
+from horizon_dl.data.regular_file import check_regular
+from horizon_dl.errors import FrameError, InputError
+from horizon_dl.geometry.camera import Camera
+
+FORMATS = ("JPEG", "PNG", "BMP", "PPM", "TIFF", "WEBP")
+"""Decoders that strangers' files may reach; some of Pillow's others start programs."""
+MOST_PIXELS = 36_000_000
+"""Where no camera is known: decoded and brought to RGB it takes a quarter of a gigabyte."""
+LEAST_LIMIT = 4_000_000
+
+# Sizes are checked here, before anything is decoded.
+warnings.filterwarnings("ignore", category=Image.DecompressionBombWarning)
+
+
+def most_pixels(camera: Camera | None) -> int:
+    """How many pixels an image may have; one of another size than the camera's is still read."""
+    if camera is None:
+        return MOST_PIXELS
+    return max(LEAST_LIMIT, 4 * camera.width * camera.height)
 
 
 def load_uint16(path: Path) -> NDArray[np.uint16]:
@@ -22,9 +41,13 @@ def load_uint16(path: Path) -> NDArray[np.uint16]:
     return np.asarray(image).astype(np.uint16)
 
 
-def load_rgb(path: Path) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8 RGB of an image file, as it is stored; FrameError where it cannot be read."""
-    return to_rgb(_decode(path), path)
+def load_rgb(path: Path, most_pixels: int = MOST_PIXELS) -> NDArray[np.uint8]:
+    """(H, W, 3) uint8 RGB of an image file, as it is stored.
+
+    Raises:
+        FrameError: it cannot be read, or has more pixels than that.
+    """
+    return to_rgb(_decode(path, most_pixels), path)
 
 
 def to_rgb(image: Image.Image, where: str | Path = "image") -> NDArray[np.uint8]:
@@ -40,17 +63,28 @@ def to_rgb(image: Image.Image, where: str | Path = "image") -> NDArray[np.uint8]
         return np.repeat((values // 256).astype(np.uint8)[..., None], 3, axis=-1)
     if image.mode == "F":
         raise FrameError(where, "holds floating-point grey values", "store it with 8 or 16 bits")
-    return np.array(image.convert("RGB"))
+    return np.array(image if image.mode == "RGB" else image.convert("RGB"))
 
 
-def _decode(path: Path) -> Image.Image:
+def _decode(path: Path, most_pixels: int = MOST_PIXELS) -> Image.Image:
+    """The image; its size is looked at before it is decoded, since some hundred bytes may hold gigabytes."""
     try:
-        with Image.open(path) as image:
+        check_regular(path)
+        with Image.open(path, formats=FORMATS) as image:
+            if image.width * image.height > most_pixels:
+                problem = f"is {image.width}x{image.height} pixels, more than is read here"
+                raise FrameError(path, problem, "use the image size that the camera was calibrated for")
             image.load()
-            return image.copy()
+            return image
+    except FrameError:
+        raise
+    except InputError as error:
+        raise FrameError(*error.args) from None
     except FileNotFoundError:
         raise FrameError(path, "is missing", "restore the file or leave the frame out") from None
-    except (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError) as error:
+    except (MemoryError, Image.DecompressionBombError):
+        raise FrameError(path, "is too large", "store it smaller") from None
+    except Exception as error:  # Pillow's decoders have a dozen of their own for damaged files
         # Pillow's message may hold a path or an address of an object; the kind is enough.
         kind = "is truncated" if "truncated" in str(error) else "cannot be read as an image"
         raise FrameError(path, kind, "restore the file or leave the frame out") from None

@@ -21,6 +21,9 @@ BIAS_PER_S2 = 0.05
 ACCEPTED_M_S2 = 1.5
 """An accelerometer that differs more from gravity feels a manoeuvre and is not listened to."""
 
+LONGEST_STEP_S = 1.0
+"""What happens in a longer gap nobody knows; no frame there gets an attitude."""
+
 STILL_S = 0.5
 STILL_RATE_RAD_S = 0.01
 STILL_ACCELERATION_M_S2 = 0.1
@@ -73,7 +76,7 @@ def _filter(
     """Up at every sample, and the bias at the end."""
     up = _unit(_vector(accelerations[times_s < times_s[0] + STILL_S].mean(axis=0)))
     ups = [up]
-    steps = np.diff(times_s).tolist()
+    steps = np.minimum(np.diff(times_s), LONGEST_STEP_S).tolist()
     # The mean of two samples is the rate between them.
     middle_rates = ((rates[1:] + rates[:-1]) / 2).tolist()
     for dt, rate, acceleration in zip(steps, middle_rates, accelerations[1:].tolist(), strict=True):

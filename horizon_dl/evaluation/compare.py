@@ -5,22 +5,20 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-import numpy as np
 from tqdm import tqdm
 
 from horizon_dl.config import Config
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
+from horizon_dl.evaluation.progressive import ProgressiveValidation
 from horizon_dl.evaluation.protocols import Protocol, Split, split_frames
 from horizon_dl.evaluation.scoring import (
     OnFrame,
-    ScoredFrame,
-    count_frame,
-    read_frame,
     read_frames,
     tally_readings,
     watching,
 )
+from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.learners import (
     ForestMethod,
     ForestStream,
@@ -30,23 +28,20 @@ from horizon_dl.methods.learners import (
     StreamLearner,
     fit_forest,
 )
+from horizon_dl.methods.registry import FOREST, LEARNERS, NET
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.train import THRESHOLD_FRAMES, entropy_threshold, evenly, train_net
-from horizon_dl.uncertainty.percentile import RunningPercentile, stream_percentile
+from horizon_dl.training.train import entropy_threshold, evenly, train_net
+from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
 from horizon_dl.workers import HERE, Workers
 
 T = TypeVar("T")
 
 Learned = tuple[dict[str, Tally], HorizonFCN]
-
-LEARNERS = ("cnn", "rf")
-THRESHOLD_EVERY = 5
-"""In one pass, every fifth frame is predicted for the threshold's sake even where it has no truth."""
 
 
 @dataclass
@@ -104,7 +99,7 @@ def compare(
         for name, tally in found.items():
             tallies[name].append(tally)
     tallies |= {name: [tally] for name, tally in _baselines(store, split.test, progress, workers).items()}
-    rule = f"percentile-{config.threshold.percentile:g}"
+    rule = PaperThreshold(config.threshold.percentile).rule
     metrics = {
         "schema": SCHEMA,
         "data": recording.name,
@@ -138,55 +133,54 @@ def _offline(
     net_s = time.perf_counter() - start
     forest = fit_forest(store, split.train, seed, workers)
     forest_s = time.perf_counter() - start - net_s
-    methods: dict[str, Method] = {"cnn": NetMethod(net), "rf": forest}
+    methods: dict[str, Method] = {NET: NetMethod(net), FOREST: forest}
     thresholds = {
-        "cnn": entropy_threshold(net, store, split.train),
-        "rf": _forest_threshold(forest, store, split.train, workers),
+        NET: entropy_threshold(net, store, split.train),
+        FOREST: _forest_threshold(forest, store, split.train, workers),
     }
     readings = read_frames(methods, store, split.test, workers)
     bar = _bar(readings, f"test, seed {seed}", len(split.test), progress)
     tallies = tally_readings(bar, thresholds, config.labels.band_rad, on_frame)
-    tallies["cnn"].train_s, tallies["rf"].train_s = net_s, forest_s
+    tallies[NET].train_s, tallies[FOREST].train_s = net_s, forest_s
     return tallies, net
 
 
 def _forest_threshold(
     forest: ForestMethod, store: FrameStore, indices: Sequence[int], workers: Workers
 ) -> float:
-    readings = read_frames({"rf": forest}, store, evenly(indices, THRESHOLD_FRAMES), workers)
-    entropies = (reading.maps["rf"]["entropy"][~np.isnan(reading.view.elevation)] for reading in readings)
-    return stream_percentile(entropies, store.config.threshold.percentile)
+    band_rad = store.config.labels.band_rad
+    readings = read_frames({FOREST: forest}, store, evenly(indices, MOST_FRAMES), workers)
+    frames = (
+        (reading.maps[FOREST]["entropy"], labelled_pixels(reading.view.elevation, band_rad))
+        for reading in readings
+    )
+    return paper_threshold(frames, store.config.threshold.percentile)
 
 
 def _prequential(
     store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool, _: Workers
 ) -> Learned:
-    config = store.config
-    net = NetStream(config, seed)
-    streams: dict[str, StreamLearner] = {"cnn": net, "rf": ForestStream(config, seed)}
-    tallies = {name: Tally() for name in streams}
-    entropies = {name: RunningPercentile(config.threshold.percentile) for name in streams}
-    tested = {store.recording.headers[index].name for index in split.test}
-    frames = _bar(store.frames(split.train), f"online, seed {seed}", len(split.train), progress)
-    for number, (frame, view) in enumerate(frames):
-        wanted = frame.name in tested or number % THRESHOLD_EVERY == 0
-        ready = {name: stream for name, stream in streams.items() if stream.ready and wanted}
-        reading = read_frame(ready, frame, view)
-        for name, seconds in reading.seconds.items():
-            tallies[name].add_time(seconds)
-        if frame.name in tested and len(ready) == len(streams):
-            thresholds = {name: entropies[name].value() for name in ready}
-            scored = ScoredFrame(frame, view, reading.maps, thresholds)
-            count_frame(tallies, scored, config.labels.band_rad)
-            if on_frame:
-                on_frame(scored)
-        for name, found in reading.maps.items():
-            entropies[name].add(found["entropy"])
-        for stream in streams.values():
-            stream.learn(view)
+    net = NetStream(store.config, seed)
+    streams: dict[str, StreamLearner] = {NET: net, FOREST: ForestStream(store.config, seed)}
+    validation = ProgressiveValidation(streams, store.config, store.recording.headers)
+    for index, item in enumerate(_bar(split.train, f"online, seed {seed}", len(split.train), progress)):
+        read = store.read(item)
+        for frame, view in store.usable([(item, read)]):
+            scored = validation.scores(index, frame)
+            maps = {}
+            for name, stream in streams.items():
+                if stream.ready and (scored or index % stream.predict_every == 0):
+                    start = time.perf_counter()
+                    maps[name] = stream.score_maps(frame, view) if scored else stream.quick_maps(view)
+                    validation.tallies[name].add_time(time.perf_counter() - start)
+            found = validation.update(index, frame, view, maps)
+            if found is not None and on_frame:
+                on_frame(found)
+            for stream in streams.values():
+                stream.learn(view)
     for name, stream in streams.items():
-        tallies[name].train_s = stream.learn_s
-    return tallies, net.net
+        validation.tallies[name].train_s = stream.learn_s
+    return validation.tallies, net.net
 
 
 def _baselines(store: FrameStore, test: Sequence[int], progress: bool, workers: Workers) -> dict[str, Tally]:

@@ -17,6 +17,7 @@ from horizon_dl.evaluation.scoring import (
 )
 from horizon_dl.methods.learners import Method, NetMethod
 from horizon_dl.methods.onnx_file import FileMethod, FileRun
+from horizon_dl.methods.registry import NET
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
@@ -47,7 +48,7 @@ def evaluate(
         raise InputError(
             recording.name, "has no truth (labels/*.png)", "use `horizon-dl predict` for pictures"
         )
-    learner = run.learner if isinstance(run, FileRun) else "cnn"
+    learner = run.learner if isinstance(run, FileRun) else NET
     methods: dict[str, Method] = {learner: _learner(run, recording), **training_free_methods()}
     readings = _readings(methods, store, labelled, workers)
     bar = tqdm(readings, "evaluate", total=len(labelled), unit="frame", disable=not progress)

@@ -13,11 +13,12 @@ from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.methods.learners import Method
+from horizon_dl.methods.registry import NET
 from horizon_dl.metrics.accumulators import Tally, scored_pixels
 from horizon_dl.metrics.obstacle_height import by_height
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.uncertainty.scores import P_ABOVE
+from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.workers import Workers
 
 Map = NDArray[np.float32]
@@ -112,7 +113,7 @@ def count_frame(tallies: Mapping[str, Tally], scored: ScoredFrame, band_rad: flo
             tally.add_obstacle_map(maps["entropy"], tally.threshold, pixels)
 
 
-def watching(ranging: RangingBlock, on_frame: OnFrame | None, learner: str = "cnn") -> OnFrame:
+def watching(ranging: RangingBlock, on_frame: OnFrame | None, learner: str = NET) -> OnFrame:
     """`on_frame` that also ranges by what a learner says."""
 
     def watch(scored: ScoredFrame) -> None:

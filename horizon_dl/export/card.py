@@ -10,6 +10,7 @@ from horizon_dl.config import Config
 from horizon_dl.data.source import Recording
 from horizon_dl.evidence.place import Place
 from horizon_dl.geometry.camera import Camera, working_size
+from horizon_dl.methods.registry import FOREST, NET
 from horizon_dl.models.build import parameter_count
 from horizon_dl.models.features import FEATURE_NAMES
 from horizon_dl.models.forest import HorizonForest
@@ -79,7 +80,7 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
     }
     return {
         "kind": KIND,
-        "learner": "cnn",
+        "learner": NET,
         "what": WHAT,
         "net": net,
         "trained_on": {key: info.get(key) for key in ("data", "format", "frames", "train_s")},
@@ -98,7 +99,7 @@ def make_forest_card(
     trees = forest.classifier.estimators_
     return {
         "kind": KIND,
-        "learner": "rf",
+        "learner": FOREST,
         "what": WHAT_FOREST,
         "forest": {
             **config.forest.model_dump(mode="json"),

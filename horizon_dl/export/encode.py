@@ -42,10 +42,10 @@ class Encode(nn.Module):
 def folded_first_layer(encoder: SmallEncoder) -> tuple[Tensor, Tensor]:
     """Weight and bias of the first convolution with its batch norm and the scaling of grey levels inside."""
     convolution, norm = cast(nn.Sequential, encoder.stem[0])
-    assert isinstance(convolution, nn.Conv2d)
-    assert isinstance(norm, nn.BatchNorm2d)
-    assert norm.running_mean is not None
-    assert norm.running_var is not None
+    if not (isinstance(convolution, nn.Conv2d) and isinstance(norm, nn.BatchNorm2d)):
+        raise TypeError("the encoder does not begin with a convolution and its batch norm")
+    if norm.running_mean is None or norm.running_var is None:
+        raise TypeError("the first batch norm keeps no statistics")
     offset = normalised(torch.zeros(1, dtype=torch.float64))
     scale = (normalised(torch.ones(1, dtype=torch.float64)) - offset) / 255
     gain = norm.weight.double() / (norm.running_var.double() + norm.eps).sqrt()

@@ -83,7 +83,10 @@ def trained_camera(run: Run, where: str | Path) -> Camera:
     """The camera of the training data; InputError where the run folder holds none."""
     if "camera" not in run.info:
         raise InputError(where, "holds no camera", "name a data set with --camera")
-    return camera_from_card(run.info)
+    try:
+        return camera_from_card(run.info)
+    except (KeyError, TypeError, ValueError):
+        raise InputError(where, "holds a camera that is none", "name a data set with --camera") from None
 
 
 def parity_frames(recording: Recording) -> list[Frame]:

@@ -4,20 +4,19 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from horizon_dl.config import Config
 from horizon_dl.data.source import Recording
 from horizon_dl.export.card import make_forest_card
 from horizon_dl.export.export import Exported, exported, parity_frames
 from horizon_dl.export.parity import feed_of, predictor, sample_frames
+from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.learners import fit_forest
 from horizon_dl.models.forest import HorizonForest
 from horizon_dl.runtime.benchmark import quartiles, timed_in_turn
 from horizon_dl.runtime.model import camera_from_card, new_session
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.train import THRESHOLD_FRAMES, evenly
-from horizon_dl.uncertainty.percentile import stream_percentile
+from horizon_dl.training.train import evenly
+from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
 
 PARITY_FRAMES = 2
 RUNS = 10
@@ -44,9 +43,9 @@ def export_forest(recording: Recording, config: Config) -> Exported:
 def forest_threshold(forest: HorizonForest, store: FrameStore) -> float:
     """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
     say = predictor(forest)
-    views = store.views(evenly(range(store.recording.length), THRESHOLD_FRAMES))
-    entropies = (say(view).entropy[~np.isnan(view.elevation)] for view in views)
-    return stream_percentile(entropies, store.config.threshold.percentile)
+    config, views = store.config, store.views(evenly(range(store.recording.length), MOST_FRAMES))
+    frames = ((say(view).entropy, labelled_pixels(view.elevation, config.labels.band_rad)) for view in views)
+    return paper_threshold(frames, config.threshold.percentile)
 
 
 def with_cost(forest: Exported, net: Exported) -> Exported:

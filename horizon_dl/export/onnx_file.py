@@ -1,7 +1,6 @@
 """Writing the graph as an ONNX file with its card and seal inside."""
 
 import json
-import logging
 import tempfile
 import warnings
 from pathlib import Path
@@ -13,6 +12,7 @@ import torch
 from horizon_dl import __version__
 from horizon_dl.export.card import INPUTS, KIND, OUTPUTS
 from horizon_dl.export.graph import WholeWay
+from horizon_dl.quiet import quiet_logger
 from horizon_dl.runtime.checksum import BLANK, sealed
 from horizon_dl.runtime.model import CARD_KEY
 
@@ -38,9 +38,9 @@ def graph_of(module: WholeWay) -> onnx.ModelProto:
     """
     width, height = module.image_size
     image = torch.zeros(1, height, width, 3, dtype=torch.uint8)
-    with warnings.catch_warnings(), torch.inference_mode(), tempfile.TemporaryDirectory() as folder:
+    quiet = quiet_logger("torch.onnx")
+    with warnings.catch_warnings(), quiet, torch.inference_mode(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore")
-        logging.getLogger("torch.onnx").setLevel(logging.ERROR)
         torch.onnx.export(
             module.eval(),
             (image, torch.tensor([0.0, -1.0, 0.0])),

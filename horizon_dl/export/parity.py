@@ -101,7 +101,8 @@ def sample_frames(camera: Camera, count: int = 3) -> list[Frame]:
 
 def feed_of(frame: Frame) -> Maps:
     """The graph's inputs of a frame with attitude."""
-    assert frame.up_cam is not None
+    if frame.up_cam is None:
+        raise ValueError(f"{frame.name} has no attitude to compare with")
     return {"image": frame.image[None], "up_cam": frame.up_cam.astype(np.float32)}
 
 
@@ -121,7 +122,8 @@ def _compare(found: Differences, maps: Maps, wanted: Maps, threshold: float) -> 
         one, other = maps[name].astype(np.float64), wanted[name].astype(np.float64)
         if name == "surprisal":  # as a probability: the logarithm of nearly nothing is all rounding
             one, other = np.exp2(-one), np.exp2(-other)
-        assert np.array_equal(np.isnan(one), np.isnan(other)), f"{name}: NaN in other places"
+        if not np.array_equal(np.isnan(one), np.isnan(other)):  # no assert: Python may be told to skip those
+            raise RuntimeError(f"the exported file has NaN in other places: {name}")
         found.largest[name] = max(found.largest[name], float(np.nanmax(np.abs(one - other))))
     differs, ties = obstacle_differences(maps["obstacles"], wanted["entropy"], threshold)
     found.obstacle_pixels += int(differs.sum())

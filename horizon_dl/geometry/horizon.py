@@ -39,3 +39,9 @@ def horizon_label(elevation: NDArray[np.floating], band_rad: float = 0.0) -> NDA
     label = np.where(elevation > 0, np.uint8(ABOVE), np.uint8(BELOW))
     label[~(np.abs(elevation) >= band_rad)] = IGNORED
     return label
+
+
+def labelled_pixels(elevation: NDArray[np.floating], band_rad: float) -> NDArray[np.bool_]:
+    """(h, w) bool: the pixels that are learned from, outside the ignored band and with a known elevation."""
+    used: NDArray[np.bool_] = horizon_label(elevation, band_rad) != IGNORED
+    return used

@@ -13,14 +13,14 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
+from horizon_dl.methods.scores import score_maps
 from horizon_dl.models.dropout import single_pass_p_above
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest, draw_view_pixels
 from horizon_dl.models.net_measures import net_measures
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.online.learner import OnlineLearner
-from horizon_dl.uncertainty.measures import measures
-from horizon_dl.uncertainty.scores import score_maps
+from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy, measures
 from horizon_dl.workers import HERE, Workers
 
 Map = NDArray[np.float32]
@@ -40,6 +40,12 @@ class StreamLearner(Method, Protocol):
     """A method that learns frame by frame; it may be asked for scores only once it is `ready`."""
 
     learn_s: float
+    predict_every: int
+    """Frames that are not scored are predicted, for the threshold's sake, at every so many."""
+
+    def quick_maps(self, view: View) -> dict[str, Map]:
+        """`p_above` and `entropy` alone."""
+        ...
 
     @property
     def ready(self) -> bool:
@@ -103,6 +109,8 @@ def _fit_drawn(shared: tuple[Sequence[Drawn], Config], seed: int) -> HorizonFore
 class NetStream:
     """The net, learning online."""
 
+    predict_every = 1
+
     def __init__(self, config: Config, seed: int) -> None:
         self._learner = OnlineLearner(config, seed)
         self.ready = False
@@ -117,6 +125,11 @@ class NetStream:
         """All scores, the single pass without dropout among them."""
         return _net_scores(self.net, view)
 
+    def quick_maps(self, view: View) -> dict[str, Map]:
+        """`p_above` and `entropy` alone."""
+        found = self._learner.predict(view)
+        return {P_ABOVE: found.p_above, "entropy": found.entropy}
+
     def learn(self, view: View) -> None:
         """A few steps on this frame and on remembered ones."""
         start = time.perf_counter()
@@ -127,6 +140,8 @@ class NetStream:
 
 class ForestStream:
     """The forest, fitted anew to all frames so far after every 20th."""
+
+    predict_every = 5
 
     def __init__(self, config: Config, seed: int) -> None:
         self._config = config
@@ -145,6 +160,12 @@ class ForestStream:
         """All scores but the single pass."""
         assert self._forest is not None
         return _forest_scores(self._forest, view)
+
+    def quick_maps(self, view: View) -> dict[str, Map]:
+        """`p_above` and `entropy` alone."""
+        assert self._forest is not None
+        p_above = self._forest.p_above_samples(view).mean(axis=0)
+        return {P_ABOVE: p_above, "entropy": binary_entropy(p_above)}
 
     def learn(self, view: View) -> None:
         """Keep pixels of this frame; fit when it is time."""

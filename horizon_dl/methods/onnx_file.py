@@ -12,9 +12,10 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
+from horizon_dl.methods.registry import NET
+from horizon_dl.methods.scores import fused_score
 from horizon_dl.runtime.model import ObstacleModel
-from horizon_dl.uncertainty.measures import p_other_side
-from horizon_dl.uncertainty.scores import P_ABOVE, fused_score
+from horizon_dl.uncertainty.measures import P_ABOVE, p_other_side
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class FileRun:
     @property
     def learner(self) -> str:
         """`cnn` or `rf`, as in `metrics.json`."""
-        return str(self.model.card.get("learner", "cnn"))
+        return str(self.model.card.get("learner", NET))
 
     @property
     def threshold(self) -> float:
@@ -64,7 +65,7 @@ def load_file_run(path: Path) -> FileRun:
     model = ObstacleModel.load(path)
     try:
         config = Config.model_validate(model.card["config"])
-    except (ValidationError, KeyError):
+        info = {**model.card["trained_on"], "threshold_rule": model.card["threshold"]["rule"]}
+    except (ValidationError, KeyError, TypeError):
         raise InputError(path, "was exported by another version", "export it again") from None
-    info = {**model.card["trained_on"], "threshold_rule": model.card["threshold"]["rule"]}
     return FileRun(model, config, info)

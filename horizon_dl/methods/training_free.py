@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.methods import baselines
+from horizon_dl.methods.registry import DIFFUSION, GEODESIC, POSITION
 
 Map = NDArray[np.float32]
 
@@ -27,7 +28,7 @@ class TrainingFree:
 def training_free_methods() -> dict[str, TrainingFree]:
     """The baselines by the names they have in `metrics.json`."""
     return {
-        "diffusion": TrainingFree(baselines.diffusion_score),
-        "geodesic": TrainingFree(baselines.geodesic_score),
-        "position": TrainingFree(lambda view: baselines.position_score(view.elevation)),
+        DIFFUSION: TrainingFree(baselines.diffusion_score),
+        GEODESIC: TrainingFree(baselines.geodesic_score),
+        POSITION: TrainingFree(lambda view: baselines.position_score(view.elevation)),
     }

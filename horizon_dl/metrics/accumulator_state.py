@@ -11,7 +11,7 @@ from horizon_dl.metrics.ranging import joined
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.training.checkpoint import Snapshot
-from horizon_dl.uncertainty.percentile import RunningPercentile
+from horizon_dl.uncertainty.threshold import PaperThreshold
 
 SCALARS = ("threshold", "right_sides", "sides", "frames", "predict_s", "train_s")
 BELOW = ""
@@ -95,11 +95,11 @@ def restored_roc(snapshot: Snapshot) -> RocAccumulator:
     return roc
 
 
-def percentile_snapshot(percentile: RunningPercentile) -> Snapshot:
+def threshold_snapshot(threshold: PaperThreshold) -> Snapshot:
     """The scores counted so far."""
-    return Snapshot({"counts": torch.from_numpy(percentile.counts)})
+    return Snapshot({"counts": torch.from_numpy(threshold.counts)})
 
 
-def restore_percentile(percentile: RunningPercentile, snapshot: Snapshot) -> None:
+def restore_threshold(threshold: PaperThreshold, snapshot: Snapshot) -> None:
     """The scores of a snapshot in place of those counted."""
-    percentile.counts[:] = snapshot.tensors["counts"].numpy()
+    threshold.counts[:] = snapshot.tensors["counts"].numpy()

@@ -13,8 +13,8 @@ from horizon_dl.geometry.horizon import ABOVE, IGNORED, elevation, horizon_label
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.calibration_error import Reliability
 from horizon_dl.metrics.roc import RocAccumulator
+from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.obstacle_map import without_lone_pixels
-from horizon_dl.uncertainty.scores import P_ABOVE
 
 
 @dataclass(frozen=True)

@@ -7,27 +7,25 @@ from typing import Any
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.data.view import View
-from horizon_dl.evaluation.protocols import WARM_UP_FRAMES
+from horizon_dl.evaluation.progressive import ProgressiveValidation
+from horizon_dl.methods.registry import NET
+from horizon_dl.methods.scores import score_maps
 from horizon_dl.metrics.accumulator_state import (
-    percentile_snapshot,
     ranging_snapshot,
-    restore_percentile,
     restore_ranging,
+    restore_threshold,
     restored_tally,
     tally_snapshot,
+    threshold_snapshot,
 )
-from horizon_dl.metrics.accumulators import Tally, scored_pixels
+from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
-from horizon_dl.metrics.obstacle_height import by_height
-from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.metrics.roc import RocAccumulator, RocResult
 from horizon_dl.metrics.running import RunningSides
 from horizon_dl.models.dropout import single_pass_p_above
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.checkpoint import Snapshot
-from horizon_dl.uncertainty.measures import Measures
-from horizon_dl.uncertainty.percentile import RunningPercentile
-from horizon_dl.uncertainty.scores import score_maps
+from horizon_dl.uncertainty.measures import P_ABOVE, Measures
 
 SCORES = (
     "entropy",
@@ -43,21 +41,25 @@ class OnlineFigures:
     """What a run has shown so far.
 
     Attributes:
-        tally: of the labelled frames after the first 20, and of the sides of all frames after them.
+        validation: the net's figures, each frame scored before it was learned from.
         sides: running accuracy and calibration.
         reasons: frames not learned from, by reason.
-        seen: frames that came; `predicted` could be, `learned` were learned from, `tested` scored with truth.
+        seen: frames that came; `predicted` could be, `learned` were learned from.
     """
 
     def __init__(self, config: Config, headers: Sequence[FrameHeader] = ()) -> None:
-        self.tally = Tally(rocs={name: RocAccumulator() for name in SCORES})
+        self.validation = ProgressiveValidation((NET,), config, headers)
+        self.tally.rocs |= {name: RocAccumulator() for name in SCORES}
         self.sides = RunningSides()
         self.reasons: Counter[str] = Counter()
-        self.seen = self.predicted = self.learned = self.tested = 0
+        self.seen = self.predicted = self.learned = 0
         self._config = config
-        self._ranging = RangingBlock(headers)
-        self._entropies = RunningPercentile(config.threshold.percentile)
         self._result: RocResult | None = None
+
+    @property
+    def tally(self) -> Tally:
+        """Of the labelled frames after the first 20, and of the sides of all frames after them."""
+        return self.validation.tallies[NET]
 
     def timed(self, predict_s: float) -> None:
         """Count a prediction, of whatever frame."""
@@ -82,18 +84,18 @@ class OnlineFigures:
             found: by the net as it was before it learned from the frame.
             net: that net.
         """
-        band_rad = self._config.labels.band_rad
-        self.sides.add(found.p_above, view.elevation, band_rad)
-        if index >= WARM_UP_FRAMES:
-            self.tally.add_sides(view, found.p_above, band_rad)
-            if frame.truth is not None:
-                self._score(frame, view, found, net)
-        if self.learned:
-            self._entropies.add(found.entropy)
+        self.sides.add(found.p_above, view.elevation, self._config.labels.band_rad)
+        if not self.learned:
+            return
+        maps = {P_ABOVE: found.p_above, "entropy": found.entropy}
+        if self.validation.scores(index, frame):
+            maps = score_maps(view, found, single_pass_p_above(net, view.image)[0])
+            self._result = None
+        self.validation.update(index, frame, view, {NET: maps})
 
     def auc(self) -> tuple[float | None, float | None]:
         """AUC of the entropy, pooled and within depression bands; None before any labelled frame."""
-        if self._result is None and self.tested:
+        if self._result is None and self.validation.tested:
             self._result = self.tally.rocs["entropy"].result()
         return (self._result.auc, self._result.auc_within_depression) if self._result else (None, None)
 
@@ -110,29 +112,30 @@ class OnlineFigures:
         """The content of `metrics.json`, as `compare --protocol prequential` writes it of the net."""
         frames = {
             "train": self.learned,
-            "test": self.tested,
+            "test": self.validation.tested,
             "skipped": self.seen - self.learned,
         }
-        rule = f"percentile-{self._config.threshold.percentile:g}"
         return {
             "schema": SCHEMA,
             "data": data,
             "protocol": "prequential",
             "seeds": [self._config.seed],
             "frames": frames,
-            "methods": {"cnn": method_metrics([self.tally], rule)},
-            "ranging": self._ranging.metrics(),
+            "methods": {NET: method_metrics([self.tally], self.validation.thresholds[NET].rule)},
+            "ranging": self.validation.ranging.metrics(),
         }
 
     def snapshot(self) -> Snapshot:
         """All figures so far."""
-        counts = {name: getattr(self, name) for name in ("seen", "predicted", "learned", "tested")}
+        counts = {name: getattr(self, name) for name in ("seen", "predicted", "learned")}
         parts = {
-            "ranging": ranging_snapshot(self._ranging),
-            "counts": Snapshot(values={**counts, "reasons": dict(self.reasons)}),
+            "ranging": ranging_snapshot(self.validation.ranging),
+            "counts": Snapshot(
+                values={**counts, "tested": self.validation.tested, "reasons": dict(self.reasons)}
+            ),
             "tally": tally_snapshot(self.tally),
             "sides": self.sides.snapshot(),
-            "entropies": percentile_snapshot(self._entropies),
+            "entropies": threshold_snapshot(self.validation.thresholds[NET]),
         }
         return Snapshot.join(parts)
 
@@ -140,21 +143,11 @@ class OnlineFigures:
         """The figures of a snapshot."""
         counts = dict(snapshot.part("counts").values)
         self.reasons = Counter(counts.pop("reasons"))
+        self.validation.tested = counts.pop("tested")
         for name, count in counts.items():
             setattr(self, name, count)
-        self.tally = restored_tally(snapshot.part("tally"))
+        self.validation.tallies[NET] = restored_tally(snapshot.part("tally"))
         self.sides.restore(snapshot.part("sides"))
-        restore_percentile(self._entropies, snapshot.part("entropies"))
-        restore_ranging(self._ranging, snapshot.part("ranging"))
-        self._result = None
-
-    def _score(self, frame: Frame, view: View, found: Measures, net: HorizonFCN) -> None:
-        maps = score_maps(view, found, single_pass_p_above(net, view.image)[0])
-        pixels = scored_pixels(frame)
-        others = {"above": scored_pixels(frame, above=True), **by_height(frame, pixels)}
-        self.tally.add_scores(maps, pixels, others)
-        self.tally.threshold = self._entropies.value()
-        self.tally.add_obstacle_map(found.entropy, self.tally.threshold, pixels)
-        self._ranging.add(frame, found.p_above, self.tally.threshold)
-        self.tested += 1
+        restore_threshold(self.validation.thresholds[NET], snapshot.part("entropies"))
+        restore_ranging(self.validation.ranging, snapshot.part("ranging"))
         self._result = None

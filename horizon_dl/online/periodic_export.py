@@ -7,6 +7,7 @@ from pathlib import Path
 
 from horizon_dl.export.export import export_run
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.online.run_directory import KIND
 from horizon_dl.output import output_folder
 from horizon_dl.training.run_folder import Run
 
@@ -47,14 +48,18 @@ class HotExport:
 
     def finish(self, run: Run) -> None:
         """Wait for the thread, then write the last file."""
+        self.wait()
+        self._export(lambda: run)
+
+    def wait(self) -> None:
+        """Until the export at work is done."""
         if self._thread is not None:
             self._thread.join()
-        self._export(lambda: run)
 
     def _export(self, make: Callable[[], Run]) -> None:
         try:
             exported = export_run(make(), self._camera)
-            with output_folder(self._folder) as folder:
+            with output_folder(self._folder, KIND, adding=True) as folder:
                 exported.write(folder)
         except Exception as error:  # whatever the exporter raises: the robot learns and flies on
             self.failed += 1

@@ -18,7 +18,7 @@ from horizon_dl.errors import FrameError, InputError
 from horizon_dl.online.figures import OnlineFigures
 from horizon_dl.online.guard import Distrust, StreamGuard
 from horizon_dl.online.periodic_export import HotExport
-from horizon_dl.online.run_directory import RunKeeper
+from horizon_dl.online.run_directory import KIND, RunKeeper
 from horizon_dl.output import output_folder, write_json
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.online.learner import OnlineLearner, mean_loss
@@ -62,6 +62,7 @@ class OnlineRun:
         max_frames: of the source, counted from its beginning.
         export_every_s: seconds between fresh model files; None: no files.
         restart: throw an earlier run in the folder away.
+        overwrite: the same, and take the folder over where it holds something else.
         progress: show a progress bar.
 
     Raises:
@@ -77,13 +78,14 @@ class OnlineRun:
         max_frames: int | None = None,
         export_every_s: float | None = None,
         restart: bool = False,
+        overwrite: bool = False,
         progress: bool = False,
     ) -> None:
         self.source, self.config, self.folder = source, config, folder
         self.learner = OnlineLearner(config, config.seed)
         self.guard = StreamGuard()
         self.figures = OnlineFigures(config, source.headers if isinstance(source, Recording) else ())
-        self.keeper = RunKeeper(folder, source, config, restart=restart)
+        self.keeper = RunKeeper(folder, source, config, restart=restart, overwrite=overwrite)
         self.stopped = False
         self._max_frames = max_frames
         self._camera = calibrated(source)
@@ -194,8 +196,10 @@ class OnlineRun:
             problem = f"has no frame to learn from ({reasons or 'it is empty'})"
             raise InputError(self.source.name, problem, "see `horizon-dl check-data`")
         run = self.learner.frozen({**self._info(), **more})()
+        if self._export is not None:
+            self._export.wait()
         try:
-            with output_folder(self.folder) as folder:
+            with output_folder(self.folder, KIND, adding=True) as folder:
                 save_run(folder, run)
                 write_json(folder / "metrics.json", self.figures.metrics(self.source.name))
         except (OSError, SafetensorError) as error:

@@ -1,6 +1,6 @@
 """The folder of an online run while it runs: checkpoint, one line a frame, TensorBoard logs."""
 
-import shutil
+import re
 import sys
 import time
 from pathlib import Path
@@ -11,12 +11,16 @@ from tqdm import tqdm
 
 from horizon_dl.config import Config
 from horizon_dl.data.source import FrameSource
-from horizon_dl.errors import InputError
+from horizon_dl.errors import InputError, printable
 from horizon_dl.online.frame_log import FrameLog
 from horizon_dl.online.tensorboard_log import TensorBoardLog
+from horizon_dl.output.files import unwritable
+from horizon_dl.output.folder import check_free, claim_folder, is_own, make_folder
 from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 
 CHECKPOINT, FRAMES, LOGS, LOCK = "checkpoint.safetensors", "frames.jsonl", "logs", ".lock"
+KIND = "online"
+LEFT_OVER = re.compile(r"\..+\.part|\.tmp\w{6}")
 FREE_KEYS = ("checkpoint_frames", "checkpoint_s")
 """Settings under `online` that may change from one start to the next."""
 
@@ -30,23 +34,34 @@ class RunKeeper:
         failed: checkpoints that could not be written.
     """
 
-    def __init__(self, folder: Path, source: FrameSource, config: Config, *, restart: bool = False) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        source: FrameSource,
+        config: Config,
+        *,
+        restart: bool = False,
+        overwrite: bool = False,
+    ) -> None:
         self.folder = folder
         self.failed = 0
         self._identity = {"data": source.name, "format": source.format, "config": _identity(config)}
         self._settings = config.online
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_folder(folder)
+            check_own(folder, overwrite)
             self._lock = _locked(folder)
-            if restart:
+            _remove_left_overs(folder)
+            claim_folder(folder, KIND, overwrite=overwrite, anew=restart or overwrite)
+            if restart or overwrite:
                 _clear(folder)
             self.found = self._read()
             place = self.found.values["place"] if self.found else {}
             self.position = int(place.get("position", 0))
-            self._log = FrameLog(folder / FRAMES, place.get("log_bytes", 0))
+            self._log = FrameLog(folder / FRAMES, int(place.get("log_bytes", 0)))
             self._curves = TensorBoardLog(folder / LOGS, self.position)
         except OSError as error:
-            raise _unwritable(folder, error) from None
+            raise unwritable(folder, error) from None
         self._wait_from(self.position)
 
     def due(self, position: int) -> bool:
@@ -70,7 +85,7 @@ class RunKeeper:
         try:
             self._write(0, snapshot)
         except OSError as error:
-            raise _unwritable(self.folder, error) from None
+            raise unwritable(self.folder, error) from None
 
     def line(self, line: dict[str, Any], step: int) -> None:
         """Add a frame's line, and its numbers to the curves."""
@@ -82,7 +97,7 @@ class RunKeeper:
 
     def say(self, text: str) -> None:
         """A line for the user beside the progress bar."""
-        tqdm.write(f"horizon-dl: {text}", file=sys.stderr)
+        tqdm.write(f"horizon-dl: {printable(text)}", file=sys.stderr)
 
     def close(self) -> None:
         """Close all files."""
@@ -92,7 +107,6 @@ class RunKeeper:
 
     def _read(self) -> Snapshot | None:
         path = self.folder / CHECKPOINT
-        path.with_name(f".{CHECKPOINT}.part").unlink(missing_ok=True)
         if not path.exists():
             return None
         found = read_checkpoint(path)
@@ -125,18 +139,26 @@ def _locked(folder: Path) -> FileLock:
     return lock
 
 
+def check_own(folder: Path, overwrite: bool) -> None:
+    """Nothing is touched in a folder that is neither empty nor a run's; see `claim_folder`."""
+    if not overwrite and not is_own(folder, KIND):
+        check_free(folder)
+
+
+def _remove_left_overs(folder: Path) -> None:
+    """What a killed run wrote half: checkpoints, and safetensors' own files beside them."""
+    for path in folder.glob(".*"):
+        if path.is_file() and LEFT_OVER.fullmatch(path.name):
+            path.unlink(missing_ok=True)
+
+
 def _clear(folder: Path) -> None:
-    for name in (CHECKPOINT, FRAMES):
-        (folder / name).unlink(missing_ok=True)
-    shutil.rmtree(folder / LOGS, ignore_errors=True)
+    """Remove what an earlier run wrote, and nothing else."""
+    for path in (folder / CHECKPOINT, folder / FRAMES, *(folder / LOGS).glob("events.out.tfevents.*")):
+        path.unlink(missing_ok=True)
 
 
 def _identity(config: Config) -> dict[str, Any]:
     tree = config.model_dump(mode="json")
     tree["online"] = {name: value for name, value in tree["online"].items() if name not in FREE_KEYS}
     return tree
-
-
-def _unwritable(folder: Path, error: OSError) -> InputError:
-    reason = error.strerror or str(error)
-    return InputError(folder, f"cannot be written ({reason})", "make room there, or give another --out")

@@ -1,6 +1,5 @@
 """A check of data on the console and as a folder: JSON, horizon overlays and a page."""
 
-import json
 import textwrap
 from pathlib import Path
 
@@ -9,10 +8,10 @@ import numpy as np
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.inspection.check_result import DataCheck
-from horizon_dl.output import write_text
-from horizon_dl.reporting.cells import resize_image, resize_map
+from horizon_dl.output.files import without_nan, write_json
 from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.sections import Figure, Findings, Heading, Pairs, Section, Text
+from horizon_dl.visualization.cells import resize_image, resize_map
 from horizon_dl.visualization.colours import Image
 from horizon_dl.visualization.overlays import draw_sides
 from horizon_dl.visualization.panels import image_bytes, save_panel
@@ -46,7 +45,7 @@ def write_check(check: DataCheck, out: Path) -> None:
     """Writes `check.json`, `overlays/*.jpg` and `index.html` into a folder."""
     band_rad = float(np.deg2rad(check.band_deg))
     pictures = [(header, overlay(view, band_rad)) for header, view in check.overlay_views]
-    write_text(out / "check.json", json.dumps(check.to_json(), indent=1) + "\n")
+    write_json(out / "check.json", without_nan(check.to_json()))
     for number, (header, picture) in enumerate(pictures):
         save_panel(out / "overlays" / f"{number:02d}_{Path(header.name).stem}.jpg", picture)
     write_report(out / "index.html", f"Check of {check.name}", _sections(check, pictures), _subtitle(check))

@@ -15,6 +15,7 @@ from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.calibration_error import Reliability
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.output import write_json
+from horizon_dl.output.names import ResultNames
 from horizon_dl.provenance import machine, versions
 from horizon_dl.reporting.curves import (
     Floats,
@@ -29,8 +30,8 @@ from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.sections import GLOSSARY, Figure, Heading, Pairs, Section, Table, Text
 from horizon_dl.reporting.table import HEADER, METHOD_HEADER, METHOD_NAMES, method_rows, metrics_rows
 from horizon_dl.training.predict import Prediction
+from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.obstacle_map import obstacle_map
-from horizon_dl.uncertainty.scores import P_ABOVE
 from horizon_dl.visualization.colours import Image
 from horizon_dl.visualization.panels import PanelRow, frame_panel, image_bytes, save_panel
 from horizon_dl.visualization.range_picture import range_picture
@@ -51,13 +52,14 @@ class PanelWriter:
         self._folder = folder / "panels"
         self._every = max(1, -(-frames // MOST_PANELS))
         self._count = 0
+        self._names = ResultNames()
         self.pictures: list[tuple[str, bytes]] = []
 
     def __call__(self, scored: ScoredFrame) -> None:
         """Take one test frame."""
         if self._count % self._every == 0:
             panel = comparison_panel(scored)
-            save_panel(self._folder / f"{Path(scored.frame.name).stem}.jpg", panel)
+            save_panel(self._folder / f"{self._names(scored.frame.name)}.jpg", panel)
             self.pictures.append((scored.frame.name, image_bytes(panel, "JPEG")))
         self._count += 1
 

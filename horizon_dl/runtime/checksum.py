@@ -8,12 +8,14 @@ import hashlib
 import re
 from pathlib import Path
 
+from horizon_dl.data.regular_file import check_regular
 from horizon_dl.errors import InputError
 
 FORMAT = 1
 BLANK = f"horizon-dl obstacle model, format {FORMAT}, bytes {0:010d}, sha256 {0:064x}"
 _SEAL = re.compile(rb"horizon-dl obstacle model, format (\d+), bytes (\d{10}), sha256 ([0-9a-f]{64})")
 _HEAD = 4096
+MOST_BYTES = 2**30
 _WAY_OUT = "export it again with `horizon-dl export`"
 
 
@@ -37,6 +39,7 @@ def read_sealed(path: Path) -> tuple[bytes, str]:
         InputError: no such file, another kind of file, a newer format, cut off, or altered.
     """
     try:
+        check_regular(path, MOST_BYTES)
         content = path.read_bytes()
     except OSError as error:
         problem = (

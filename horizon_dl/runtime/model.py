@@ -9,7 +9,7 @@ import numpy as np
 import onnxruntime
 from numpy.typing import ArrayLike, NDArray
 
-from horizon_dl.errors import InputError
+from horizon_dl.errors import InputError, shortened
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.acceptance import checked_place, checked_size, checked_threshold, smoke_test
 from horizon_dl.runtime.checksum import read_sealed
@@ -94,7 +94,8 @@ class ObstacleModel:
             card = json.loads(session.get_modelmeta().custom_metadata_map[CARD_KEY])
             model = cls(session, card, sha256)
         except Exception as error:  # onnxruntime has a dozen exceptions of its own
-            problem = f"cannot be loaded ({str(error).splitlines()[0]})"
+            said = next(iter(str(error).splitlines()), type(error).__name__)
+            problem = f"cannot be loaded ({shortened(said, 200)})"
             raise InputError(path, problem, "export it again with `horizon-dl export`") from None
         names = (
             tuple(one.name for one in session.get_inputs()),

@@ -108,7 +108,7 @@ def simulate(
     )
     shots = render_flight(frames, seed, width, height)
     try:
-        with output_folder(out) as folder:
+        with output_folder(out, "simulate") as folder:
             bar = tqdm(shots, total=frames, unit="frame", disable=not progress)
             _write_set(folder, bar, depth_every, quality)
             (folder / "camera.yaml").write_text(yaml.safe_dump(camera_fields(width, height), sort_keys=False))

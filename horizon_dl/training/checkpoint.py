@@ -1,21 +1,18 @@
 """Checkpoints: one safetensors file with tensors and JSON, which is there as a whole or not at all."""
 
 import json
-import os
-import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
 from torch import Tensor
 
 from horizon_dl.errors import InputError
+from horizon_dl.output.files import replacing
+from horizon_dl.training.tensor_file import read_tensors, write_tensors
 
-FORMAT = 2
+FORMAT = 3
 SEPARATOR = "/"
 _VALUES = "values"
 
@@ -62,59 +59,22 @@ def write_checkpoint(path: Path, snapshot: Snapshot) -> None:
         OSError: the disk is full, read-only, or gone; what was at `path` still is.
     """
     values = {"format": FORMAT, **snapshot.values}
-    tensors = {name: tensor.contiguous() for name, tensor in snapshot.tensors.items()}
     with replacing(path) as beside:
-        try:
-            save_file(tensors, beside, {_VALUES: json.dumps(values, allow_nan=False)})
-        except SafetensorError as error:
-            raise _system_error(error) from None
+        write_tensors(beside, snapshot.tensors, {_VALUES: json.dumps(values, allow_nan=False)})
 
 
-def read_checkpoint(path: Path) -> Snapshot:
+def read_checkpoint(path: Path, way_out: str = "start anew with --restart") -> Snapshot:
     """The snapshot in a file.
 
     Raises:
         InputError: the file is damaged, or of another version.
     """
+    tensors, texts = read_tensors(path, way_out)
     try:
-        with safe_open(path, "pt") as file:
-            values = json.loads((file.metadata() or {})[_VALUES])
-            # Copied: what is given may be a view of the file, which the next checkpoint replaces.
-            tensors = {name: file.get_tensor(name).clone() for name in file.keys()}  # noqa: SIM118
-    except (OSError, SafetensorError, KeyError, ValueError) as error:
-        raise InputError(
-            path, f"is no checkpoint or damaged ({type(error).__name__})", "start anew with --restart"
-        ) from None
-    if values.pop("format", None) != FORMAT:
-        raise InputError(path, "is of another version of horizon-dl", "start anew with --restart")
+        values = json.loads(texts[_VALUES])
+        version = values.pop("format", None)
+    except (KeyError, ValueError, AttributeError, RecursionError):
+        raise InputError(path, "is no checkpoint", way_out) from None
+    if version != FORMAT:
+        raise InputError(path, "is of another version of horizon-dl", way_out)
     return Snapshot(tensors, values)
-
-
-@contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """A path beside `path` to write to, which takes its place when all went well and is on the disk.
-
-    What an earlier process that was killed left beside is removed.
-    """
-    beside = path.with_name(f".{path.name}.part")
-    try:
-        yield beside
-        _to_disk(beside)
-        beside.replace(path)
-        _to_disk(path.parent)
-    finally:
-        beside.unlink(missing_ok=True)
-
-
-def _system_error(error: SafetensorError) -> OSError:
-    """The system's error, which safetensors wraps in words."""
-    found = re.search(r"os error (\d+)", str(error))
-    return OSError(int(found[1]), os.strerror(int(found[1]))) if found else OSError(str(error))
-
-
-def _to_disk(path: Path) -> None:
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

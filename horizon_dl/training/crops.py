@@ -11,7 +11,7 @@ from torch import Tensor
 
 from horizon_dl.config import Config
 from horizon_dl.data.view import View
-from horizon_dl.geometry.horizon import IGNORED, horizon_label
+from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.targets.targets import make_target
 
 
@@ -22,24 +22,24 @@ class TrainingFrame:
     Attributes:
         image: (h, w, 3) uint8 RGB.
         target: (h, w) float16 in [0, 1]; 0 where it does not count.
-        counts: (h, w) bool, false in the ignore band and where there is no ray.
+        valid_mask: (h, w) bool, false in the ignore band and where there is no ray.
     """
 
     image: NDArray[np.uint8]
     target: NDArray[np.float16]
-    counts: NDArray[np.bool_]
+    valid_mask: NDArray[np.bool_]
 
     @property
     def nbytes(self) -> int:
         """Bytes held."""
-        return self.image.nbytes + self.target.nbytes + self.counts.nbytes
+        return self.image.nbytes + self.target.nbytes + self.valid_mask.nbytes
 
 
 def training_frame(view: View, config: Config, p_above: NDArray[np.float32] | None = None) -> TrainingFrame:
     """The target of a view, and where it counts; see `make_target` for `p_above`."""
     target = make_target(config.target.kind, view, p_above)
-    counts = horizon_label(view.elevation, config.labels.band_rad) != IGNORED
-    return TrainingFrame(view.image, np.nan_to_num(target).astype(np.float16), counts)
+    valid_mask = labelled_pixels(view.elevation, config.labels.band_rad)
+    return TrainingFrame(view.image, np.nan_to_num(target).astype(np.float16), valid_mask)
 
 
 class Batch(NamedTuple):
@@ -55,11 +55,11 @@ def draw_batch(frames: Sequence[TrainingFrame], crop: int, rng: np.random.Genera
     height = min(crop, *(frame.image.shape[0] for frame in frames))
     width = min(crop, *(frame.image.shape[1] for frame in frames))
     crops = [_crop(frame, height, width, rng) for frame in frames]
-    images, targets, counts = (np.stack(part) for part in zip(*crops, strict=True))
+    images, targets, valid_mask = (np.stack(part) for part in zip(*crops, strict=True))
     return Batch(
         torch.from_numpy(images).permute(0, 3, 1, 2).float() / 255.0,
         torch.from_numpy(targets)[:, None].float(),
-        torch.from_numpy(counts)[:, None].float(),
+        torch.from_numpy(valid_mask)[:, None].float(),
     )
 
 
@@ -73,5 +73,5 @@ def _crop(
     return (
         frame.image[rows, columns][:, ::step],
         frame.target[rows, columns][:, ::step],
-        frame.counts[rows, columns][:, ::step],
+        frame.valid_mask[rows, columns][:, ::step],
     )

@@ -39,7 +39,7 @@ class GlobalBatchNorm2d(nn.BatchNorm2d):
         mean, square = mean_of_processes(
             torch.stack([features.mean(dim=(0, 2, 3)), features.square().mean(dim=(0, 2, 3))])
         )
-        variance = square - mean.square()
+        variance = (square - mean.square()).clamp(min=0.0)  # rounding may leave it below
         self._remember(mean.detach(), variance.detach(), process_count() * features[:, 0].numel())
         scale: Tensor = self.weight * torch.rsqrt(variance + self.eps)
         normalised: Tensor = (features - mean[:, None, None]) * scale[:, None, None] + self.bias[
@@ -48,12 +48,11 @@ class GlobalBatchNorm2d(nn.BatchNorm2d):
         return normalised
 
     def _remember(self, mean: Tensor, variance: Tensor, count: int) -> None:
-        assert self.running_mean is not None
-        assert self.running_var is not None
-        assert self.num_batches_tracked is not None
+        if self.running_mean is None or self.running_var is None or self.num_batches_tracked is None:
+            return  # made without running statistics
         share = 0.1 if self.momentum is None else self.momentum
         self.running_mean.lerp_(mean, share)
-        self.running_var.lerp_(variance * (count / (count - 1)), share)
+        self.running_var.lerp_(variance * (count / max(count - 1, 1)), share)
         self.num_batches_tracked.add_(1)
 
 

@@ -1,7 +1,7 @@
 """Reading a recording for learning: what cannot be read is skipped and counted, memory is bounded."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from tqdm import tqdm
@@ -60,6 +60,15 @@ class FrameStore:
         if self._tried and len(self.skipped) >= len(self._tried):
             self._complain()
 
+    def tally(self) -> dict[str, Any]:
+        """What was tried and skipped, for JSON."""
+        return {"skipped": dict(self.skipped), "tried": sorted(self._tried)}
+
+    def restore(self, tally: dict[str, Any]) -> None:
+        """Go on from a tally."""
+        self.skipped.update(tally["skipped"])
+        self._tried.update(tally["tried"])
+
     def views(self, indices: Iterable[int]) -> Iterator[View]:
         """The same, without the full-size frames."""
         return (view for _, view in self.frames(indices))
@@ -82,6 +91,15 @@ class FramePool:
 
     Sets that fit are held whole. Of larger ones the pool holds a random part, and every draw exchanges one
     frame of it for the next one not held.
+
+    Args:
+        store: where frames come from.
+        indices: which of them.
+        make_frame: what is kept of a frame.
+        memory_mb: what the pool may hold.
+        rng: random numbers; those of crops, too.
+        progress: show a bar.
+        state: of `state`, to hold the same frames again.
     """
 
     def __init__(
@@ -93,36 +111,56 @@ class FramePool:
         memory_mb: int,
         rng: np.random.Generator,
         progress: bool = False,
+        state: dict[str, Any] | None = None,
     ) -> None:
         self._store = store
         self._make_frame = make_frame
         self._indices = indices
         self._rng = rng
-        self._stream = self._read_endlessly()
         self.frames: list[TrainingFrame] = []
+        self._held: list[int] = []
+        self._waiting: list[int] = []
         self.complete = False
-        self._fill(memory_mb * 2**20, progress)
+        if state is None:
+            order = [int(index) for index in rng.permutation(indices)]
+            self.complete = self._fill(order, memory_mb * 2**20, progress)
+        else:
+            self._fill(state["held"], None, progress)
+            self._waiting, self.complete = list(state["waiting"]), bool(state["complete"])
 
     def draw(self, count: int) -> list[TrainingFrame]:
         """`count` frames at random; without repetition where the pool is large enough."""
         if not self.complete:
-            self.frames[self._rng.integers(len(self.frames))] = next(self._stream)
+            index, frame = self._next()
+            place = int(self._rng.integers(len(self.frames)))
+            self.frames[place], self._held[place] = frame, index
         chosen = self._rng.choice(len(self.frames), count, replace=count > len(self.frames))
         return [self.frames[i] for i in chosen]
 
-    def _fill(self, limit_bytes: int, progress: bool) -> None:
-        order = self._rng.permutation(self._indices)
-        held = 0
-        for view in tqdm(
-            self._store.views(order), "targets", total=len(order), unit="frame", disable=not progress
-        ):
-            self.frames.append(self._make_frame(view))
-            held += self.frames[-1].nbytes
-            if held > limit_bytes:
-                return
-        self.complete = True
+    def state(self) -> dict[str, Any]:
+        """Which frames are held and which come next, for JSON."""
+        return {"held": list(self._held), "waiting": list(self._waiting), "complete": self.complete}
 
-    def _read_endlessly(self) -> Iterator[TrainingFrame]:
+    def _fill(self, order: Sequence[int], limit_bytes: int | None, progress: bool) -> bool:
+        """Whether all fit."""
+        held = 0
+        numbered = self._store.usable((index, self._numbered(index)) for index in order)
+        for index, view in tqdm(numbered, "targets", total=len(order), unit="frame", disable=not progress):
+            self.frames.append(self._make_frame(view))
+            self._held.append(index)
+            held += self.frames[-1].nbytes
+            if limit_bytes is not None and held > limit_bytes:
+                return False
+        return True
+
+    def _next(self) -> tuple[int, TrainingFrame]:
         while True:
-            for view in self._store.views(self._rng.permutation(self._indices)):
-                yield self._make_frame(view)
+            if not self._waiting:
+                self._waiting = [int(index) for index in self._rng.permutation(self._indices)]
+            index = self._waiting.pop(0)
+            for _, view in self._store.usable([(index, self._numbered(index))]):
+                return index, self._make_frame(view)
+
+    def _numbered(self, index: int) -> tuple[int, View] | FrameError:
+        found = self._store.read(index)
+        return found if isinstance(found, FrameError) else (index, found[1])

@@ -1,6 +1,6 @@
 """The Lightning shell around the net: loss, optimiser, schedule."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import lightning
@@ -16,6 +16,7 @@ from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import Batch, draw_batch
 from horizon_dl.training.distributed import mean_of_processes, process_count, process_number
 from horizon_dl.training.frame_store import FramePool
+from horizon_dl.training.resumable import RoundState, optimiser_state, optimiser_tensors
 
 
 def horizon_loss(logits: Tensor, batch: Batch) -> Tensor:
@@ -40,27 +41,86 @@ def horizon_loss(logits: Tensor, batch: Batch) -> Tensor:
 class HorizonModule(lightning.LightningModule):
     """Trains a `HorizonFCN` for a number of steps known beforehand; `average` is the result."""
 
-    def __init__(self, net: HorizonFCN, config: TrainConfig, steps: int) -> None:
+    def __init__(
+        self,
+        net: HorizonFCN,
+        config: TrainConfig,
+        steps: int,
+        *,
+        after_step: Callable[["HorizonModule"], None] | None = None,
+        going_on: RoundState | None = None,
+    ) -> None:
+        """Take over a net.
+
+        Args:
+            net: to train.
+            config: how.
+            steps: of the round.
+            after_step: called after every step, when it has gone into the average.
+            going_on: a state within the round, of `snapshot`.
+        """
         super().__init__()
         self.net = net.requires_grad_(True)
         self.config = config
         self.steps = steps
         self.average = averaged(net, config.average_decay)
+        self._after_step, self._going_on = after_step, going_on
+        self._first = 0 if going_on is None else going_on.step
+
+    @property
+    def taken(self) -> int:
+        """Steps taken in this round."""
+        return self._first + self.global_step
+
+    def snapshot(self) -> tuple[dict[str, Tensor], dict[str, Any]]:
+        """Tensors and values to go on from after a step; tensors are shared, not copied."""
+        state = self.trainer.optimizers[0].state_dict()
+        schedule = self.trainer.lr_scheduler_configs[0].scheduler
+        tensors = {
+            **{f"net.{name}": tensor for name, tensor in self.net.state_dict().items()},
+            **{f"average.{name}": tensor for name, tensor in self.average.state_dict().items()},
+            **optimiser_tensors(state["state"]),
+            "dropout": torch.get_rng_state(),
+        }
+        return tensors, {"optimiser": state["param_groups"], "schedule": schedule.last_epoch}
 
     def on_train_start(self) -> None:
-        """Give every process dropout of its own."""
+        """Give every process dropout of its own, or go on where a training was stopped."""
         if process_number():
             torch.manual_seed(torch.initial_seed() + process_number())
+        if self._going_on is None:
+            return
+        state = self._going_on
+        self.net.load_state_dict(state.part("net."))
+        self.average.load_state_dict(state.part("average."))
+        self.trainer.optimizers[0].load_state_dict(
+            {
+                "state": optimiser_state(state.part("optimiser.")),
+                "param_groups": state.values["optimiser"],
+            }
+        )
+        schedule = self.trainer.lr_scheduler_configs[0].scheduler
+        schedule.last_epoch = state.values["schedule"]
+
+    def on_train_batch_start(self, *_: Any) -> None:
+        """Dropout goes on where it was; what draws a random number before the first step has done so."""
+        if self._going_on is not None:
+            torch.set_rng_state(self._going_on.tensors["dropout"].cpu())
+            self._going_on = None
 
     def training_step(self, batch: Batch, _: int) -> Tensor:
         """Loss of one batch of crops."""
         loss = horizon_loss(self.net(batch.images), batch)
         self.log("loss", loss, prog_bar=True, sync_dist=True)
+        if self._first:  # the logs' steps go on, too
+            self.log("step", float(self.taken))
         return loss
 
     def on_train_batch_end(self, *_: Any) -> None:
         """Take the step into the average."""
         self.average.update_parameters(self.net)
+        if self._after_step is not None:
+            self._after_step(self)
 
     def configure_optimizers(self) -> Any:
         """AdamW; the learning rate rises for a tenth of the steps, then falls along a cosine."""
@@ -75,6 +135,10 @@ class HorizonModule(lightning.LightningModule):
         return {"optimizer": optimiser, "lr_scheduler": {"scheduler": schedule, "interval": "step"}}
 
 
+DRAWN_AHEAD = 4
+"""States that are kept: more than batches are ever drawn ahead."""
+
+
 class CropStream(IterableDataset[Batch]):
     """An endless stream of batches from a pool.
 
@@ -85,10 +149,22 @@ class CropStream(IterableDataset[Batch]):
         self._pool = pool
         self._config = config
         self._rng = rng
+        self._drawn = 0
+        self._before: dict[int, dict[str, Any]] = {}
+
+    def state(self, drawn: int) -> dict[str, Any]:
+        """Random numbers and pool as they were after so many batches: later ones may be drawn ahead."""
+        return self._before[drawn]
 
     def __iter__(self) -> Iterator[Batch]:
         size, count, number = self._config.batch, process_count(), process_number()
         own = slice(number * size, (number + 1) * size)
         while True:
+            self._before[self._drawn] = {
+                "random": self._rng.bit_generator.state,
+                "pool": self._pool.state(),
+            }
+            self._before.pop(self._drawn - DRAWN_AHEAD, None)
+            self._drawn += 1
             everything = draw_batch(self._pool.draw(size * count), self._config.crop, self._rng)
             yield Batch(*(part[own] for part in everything))

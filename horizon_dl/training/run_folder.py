@@ -1,6 +1,7 @@
 """Run folders: a trained net with all that is needed to use it again."""
 
 import json
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,10 +14,12 @@ from horizon_dl.config import Config, load_config, save_config
 from horizon_dl.errors import InputError
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.output import write_json
+from horizon_dl.output.files import system_error, write_json
+from horizon_dl.output.manifest import Manifest, check_files, file_hash, write_manifest
 from horizon_dl.provenance import machine, versions
+from horizon_dl.training.run_files import CONFIG, FILES, INFO, WEIGHTS, check_run_folder
 
-WEIGHTS, CONFIG, INFO = "weights.safetensors", "config.yaml", "run.json"
+TRAIN_AGAIN = "train again"
 
 
 @dataclass(frozen=True)
@@ -45,31 +48,49 @@ def weights(net: HorizonFCN) -> dict[str, Tensor]:
 
 
 def save_run(folder: Path, run: Run) -> None:
-    """Write weights, config and info (with versions and machine) into an existing folder."""
-    save_file(weights(run.net), folder / WEIGHTS)
+    """Write weights, config and info (with versions and machine) into an existing folder, and their hashes.
+
+    Raises:
+        OSError: the disk is full, read-only, or gone.
+    """
+    try:
+        save_file(weights(run.net), folder / WEIGHTS)
+    except SafetensorError as error:
+        raise system_error(error) from None
     save_config(run.config, folder / CONFIG)
     write_json(folder / INFO, {**run.info, "versions": versions(), "machine": machine()})
+    write_manifest(folder, Manifest("run", {name: file_hash(folder / name) for name in FILES}))
 
 
 def load_run(folder: Path) -> Run:
     """Read a run folder.
 
     Raises:
-        InputError: a file is missing, truncated, or does not fit the others.
+        InputError: a file is missing, damaged, or does not fit the others.
     """
-    for name in (WEIGHTS, CONFIG, INFO):
-        if not (folder / name).is_file():
-            raise InputError(folder, f"is no run folder: it lacks {name}", "give what `train --out` wrote")
+    check_run_folder(folder)
+    check_files(folder, FILES, TRAIN_AGAIN)
     config = load_config(folder / CONFIG)
     net = build_net(config.model)
     try:
         net.load_state_dict(load_file(folder / WEIGHTS))
-    except (SafetensorError, RuntimeError) as error:
-        problem = f"does not fit the config ({str(error).splitlines()[0]})"
-        raise InputError(folder / WEIGHTS, problem, "train again") from None
+    except (SafetensorError, RuntimeError, OSError, ValueError) as error:
+        problem = f"does not fit the config ({next(iter(str(error).splitlines()), type(error).__name__)})"
+        raise InputError(folder / WEIGHTS, problem, TRAIN_AGAIN) from None
+    return Run(net.eval(), config, read_info(folder))
+
+
+def read_info(folder: Path) -> dict[str, Any]:
+    """What `run.json` says, with a threshold that can be used.
+
+    Raises:
+        InputError: it is no JSON, or lacks the threshold.
+    """
     try:
         info = json.loads((folder / INFO).read_text())
-        float(info["threshold"])
-    except (ValueError, KeyError, TypeError):
-        raise InputError(folder / INFO, "is damaged", "train again") from None
-    return Run(net.eval(), config, info)
+        sound = math.isfinite(float(info["threshold"]))
+    except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
+        sound = False
+    if not sound or not isinstance(info, dict):
+        raise InputError(folder / INFO, "is damaged", TRAIN_AGAIN) from None
+    return info

@@ -1,6 +1,6 @@
 """Offline training on a recording."""
 
-import logging
+import copy
 import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -19,19 +19,20 @@ from tqdm import tqdm
 from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
+from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import p_above_of_all_depths, sample_p_above
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.quiet import quiet_logger
 from horizon_dl.training.crops import TrainingFrame, training_frame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evidence import EVIDENCE_FRAMES, evidence_card
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.module import CropStream, HorizonModule
+from horizon_dl.training.resumable import RoundState, TrainingKeeper
 from horizon_dl.training.run_folder import Run
 from horizon_dl.uncertainty.measures import binary_entropy
-from horizon_dl.uncertainty.percentile import stream_percentile
-
-THRESHOLD_FRAMES = 50
+from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
 
 
 def train_net(
@@ -41,6 +42,7 @@ def train_net(
     seed: int,
     log_dir: Path | None = None,
     progress: bool = False,
+    keeper: TrainingKeeper | None = None,
 ) -> HorizonFCN:
     """A net trained on frames of a recording, in rounds.
 
@@ -54,37 +56,119 @@ def train_net(
         seed: of weights, crops and dropout; the same seed on the same machine gives the same net.
         log_dir: folder for TensorBoard logs, or None.
         progress: show progress bars.
+        keeper: writes checkpoints, and knows whether to go on from one; None: none are written.
 
     Raises:
         InputError: too many of the frames cannot be used.
+        TrainingStopped: the keeper was asked to stop.
     """
     config: Config = store.config
+    if _in_several_processes(config.trainer):
+        keeper = None  # a checkpoint would have to hold the random numbers of all of them
     rng = np.random.default_rng(seed)
+    found = None if keeper is None else keeper.found
     with _quiet_lightning(), torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         net = build_net(config.model)
-        for number, steps in enumerate(config.train.rounds):
-            pool = FramePool(
-                store,
-                indices,
-                make_frame=_frame_maker(config, net if number else None),
-                memory_mb=config.train.memory_mb,
-                rng=rng,
-                progress=progress,
+        if found is not None:
+            _restore(found, net, rng, store)
+        for number in range(found.number if found else 0, len(config.train.rounds)):
+            within = found if found is not None and found.step and found.number == number else None
+            net = _train_round(
+                store, indices, net, number, rng, within, log_dir=log_dir, progress=progress, keeper=keeper
             )
-            crops = DataLoader(CropStream(pool, config.train, rng), batch_size=None)
-            logger = TensorBoardLogger(log_dir, name="", version=f"round_{number}") if log_dir else None
-            # Later rounds keep the first one's batch statistics, and drop nothing: see docs/RESEARCH.md.
-            module = HorizonModule(net.train(number == 0), config.train, steps)
-            _trainer(config.trainer, steps, logger, progress).fit(module, crops)
-            net = cast(HorizonFCN, module.average.module).cpu().eval()
+            if keeper is not None:
+                keeper.save(_between_rounds(number + 1, net, rng, store))
+                keeper.check_stop()
     return net
 
 
-def _frame_maker(config: Config, net: HorizonFCN | None) -> Callable[[View], TrainingFrame]:
-    if net is None:
-        return lambda view: training_frame(view, config)
-    return lambda view: training_frame(view, config, p_above_of_all_depths(net, view.image))
+def _in_several_processes(settings: TrainerConfig) -> bool:
+    return settings.devices not in (1, "auto") or settings.num_nodes > 1
+
+
+def _train_round(
+    store: FrameStore,
+    indices: Sequence[int],
+    net: HorizonFCN,
+    number: int,
+    rng: np.random.Generator,
+    within: RoundState | None,
+    *,
+    log_dir: Path | None,
+    progress: bool,
+    keeper: TrainingKeeper | None,
+) -> HorizonFCN:
+    config, steps = store.config, store.config.train.rounds[number]
+    # A copy: targets that are made while the net is trained are those of the round's beginning.
+    guide = copy.deepcopy(net).eval() if number else None
+    pool = FramePool(
+        store,
+        indices,
+        make_frame=_frame_maker(config, guide, keeper),
+        memory_mb=config.train.memory_mb,
+        rng=rng,
+        progress=progress,
+        state=within.values["pool"] if within else None,
+    )
+    if within is not None:
+        rng.bit_generator.state = within.values["random"]
+    stream = CropStream(pool, config.train, rng)
+    first = within.step if within else 0
+
+    def after_step(module: HorizonModule) -> None:
+        if keeper is None or module.taken == steps or not keeper.due():
+            return
+        tensors, values = module.snapshot()
+        if guide is not None:
+            tensors |= {f"guide.{name}": tensor for name, tensor in guide.state_dict().items()}
+        values |= {**stream.state(module.taken - first), "tally": store.tally()}
+        keeper.save(RoundState(number, module.taken, tensors, values))
+        module.trainer.should_stop = keeper.stopped
+
+    # Later rounds keep the first one's batch statistics, and drop nothing: see docs/RESEARCH.md.
+    module = HorizonModule(
+        net.train(number == 0), config.train, steps, after_step=after_step, going_on=within
+    )
+    logger = TensorBoardLogger(log_dir, name="", version=f"round_{number}") if log_dir else None
+    try:
+        crops = DataLoader(stream, batch_size=None)
+        _trainer(config.trainer, steps - first, logger, progress).fit(module, crops)
+    except SystemExit:  # Lightning's way to say that a signal came
+        if keeper is None or not keeper.stopped:
+            raise KeyboardInterrupt from None
+    if keeper is not None and module.taken < steps:
+        keeper.check_stop()
+    return cast(HorizonFCN, module.average.module).cpu().eval()
+
+
+def _between_rounds(number: int, net: HorizonFCN, rng: np.random.Generator, store: FrameStore) -> RoundState:
+    """What a round begins with."""
+    tensors = {f"net.{name}": tensor for name, tensor in net.state_dict().items()}
+    values = {"random": rng.bit_generator.state, "tally": store.tally()}
+    return RoundState(number, 0, {**tensors, "dropout": torch.get_rng_state()}, values)
+
+
+def _restore(found: RoundState, net: HorizonFCN, rng: np.random.Generator, store: FrameStore) -> None:
+    """Net (within a later round: its guide), random numbers and tally of a state."""
+    net.load_state_dict(found.part("guide.") or found.part("net."))
+    rng.bit_generator.state = found.values["random"]
+    torch.set_rng_state(found.tensors["dropout"])
+    store.restore(found.values["tally"])
+    net.eval()
+
+
+def _frame_maker(
+    config: Config, guide: HorizonFCN | None, keeper: TrainingKeeper | None
+) -> Callable[[View], TrainingFrame]:
+    def make(view: View) -> TrainingFrame:
+        if keeper is not None:
+            keeper.check_stop()  # what was learned stands in the last checkpoint
+        return training_frame(
+            view, config, None if guide is None else p_above_of_all_depths(guide, view.image)
+        )
+
+    return make
 
 
 def _trainer(
@@ -122,14 +206,23 @@ class StepBar(lightning.Callback):
 
 
 def train_run(
-    recording: Recording, config: Config, *, log_dir: Path | None = None, progress: bool = False
+    recording: Recording,
+    config: Config,
+    *,
+    log_dir: Path | None = None,
+    progress: bool = False,
+    keeper: TrainingKeeper | None = None,
 ) -> Run:
-    """Train on all frames of a recording and choose the threshold; the result is ready to be saved."""
+    """Train on all frames of a recording and choose the threshold; the result is ready to be saved.
+
+    See `train_net` for the arguments.
+    """
     store = FrameStore(recording, config)
     indices = range(recording.length)
     start = time.perf_counter()
-    net = train_net(store, indices, seed=config.seed, log_dir=log_dir, progress=progress)
-    return finished_run(net, store, time.perf_counter() - start)
+    net = train_net(store, indices, seed=config.seed, log_dir=log_dir, progress=progress, keeper=keeper)
+    train_s = time.perf_counter() - start if keeper is None else keeper.train_s
+    return finished_run(net, store, train_s)
 
 
 def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
@@ -144,7 +237,7 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "skipped": store.skipped,
         "train_s": train_s,
         "threshold": entropy_threshold(net, store, indices),
-        "threshold_rule": f"percentile-{config.threshold.percentile:g}",
+        "threshold_rule": PaperThreshold(config.threshold.percentile).rule,
         "evidence": evidence_card(
             net, ((view.image, view.elevation) for view in store.views(evenly(indices, EVIDENCE_FRAMES)))
         ),
@@ -155,11 +248,14 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:
     """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
     config = store.config
-    entropies = (
-        binary_entropy(sample_p_above(net, view.image).mean(axis=0))[~np.isnan(view.elevation)]
-        for view in store.views(evenly(indices, THRESHOLD_FRAMES))
+    frames = (
+        (
+            binary_entropy(sample_p_above(net, view.image).mean(axis=0)),
+            labelled_pixels(view.elevation, config.labels.band_rad),
+        )
+        for view in store.views(evenly(indices, MOST_FRAMES))
     )
-    return stream_percentile(entropies, config.threshold.percentile)
+    return paper_threshold(frames, config.threshold.percentile)
 
 
 def evenly(indices: Sequence[int], count: int) -> list[int]:
@@ -176,11 +272,7 @@ def evenly(indices: Sequence[int], count: int) -> list[int]:
 @contextmanager
 def _quiet_lightning() -> Iterator[None]:
     """Without Lightning's advertisements and its advice on worker processes."""
-    logger = logging.getLogger("lightning.pytorch")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    with warnings.catch_warnings():
+    with quiet_logger("lightning.pytorch"), warnings.catch_warnings():
         warnings.filterwarnings("ignore", module="lightning.*")
         warnings.filterwarnings("ignore", message=".*(num_workers|IterableDataset|epoch).*")
         yield
-    logger.setLevel(level)

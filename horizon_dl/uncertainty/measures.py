@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+P_ABOVE = "p_above"
+"""Name of the map of probabilities beside the obstacle scores."""
+
 TINY = np.finfo(np.float32).tiny
 
 

@@ -1,26 +1,7 @@
 """From a map of uncertainty to a map of obstacles."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-
-def percentile_threshold(training_uncertainties: ArrayLike, percentile: float = 25.0) -> float:
-    """The threshold that needs no obstacle label: a percentile of the training uncertainties.
-
-    Source: arXiv:1806.08007, which takes the 25th.
-
-    Args:
-        training_uncertainties: scores of training pixels, any shape; NaN is left out.
-        percentile: in [0, 100].
-
-    Raises:
-        ValueError: if there is no score, or the percentile is outside its range.
-    """
-    scores = np.asarray(training_uncertainties)
-    scores = scores[~np.isnan(scores)]
-    if scores.size == 0:
-        raise ValueError("no training uncertainty to take a percentile of")
-    return float(np.percentile(scores, percentile))
+from numpy.typing import NDArray
 
 
 def obstacle_map(score: NDArray[np.floating], threshold: float) -> NDArray[np.bool_]:

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from PIL import Image as PilImage
 
 from horizon_dl.output import write_bytes
-from horizon_dl.reporting.cells import Cells
-from horizon_dl.reporting.text import SOFT, paste, shorten, text_image
+from horizon_dl.visualization.cells import Cells
 from horizon_dl.visualization.colours import ABOVE_COLOUR, BELOW_COLOUR, OBSTACLE_COLOUR, Image, lookup_table
+from horizon_dl.visualization.text import SOFT, paste, shorten, text_image
 
 Floats = NDArray[np.floating]
 

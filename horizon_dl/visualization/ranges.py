@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from horizon_dl.geometry.polar import directions_to_polar, pixel_step_rad
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome
 from horizon_dl.ranging.heading import Heading
-from horizon_dl.reporting.cells import resize_image
-from horizon_dl.reporting.text import paste, text_image, text_size
+from horizon_dl.visualization.cells import resize_image
 from horizon_dl.visualization.colours import (
     ABOVE_COLOUR,
     BELOW_COLOUR,
@@ -20,6 +19,7 @@ from horizon_dl.visualization.colours import (
     tint,
 )
 from horizon_dl.visualization.overlays import draw_horizon
+from horizon_dl.visualization.text import paste, text_image, text_size
 
 Floats = NDArray[np.floating]
 

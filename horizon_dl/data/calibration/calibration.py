@@ -9,6 +9,8 @@ from typing import Any
 
 import yaml
 
+from horizon_dl.data.regular_file import read_regular
+from horizon_dl.data.safe_yaml import MOST_BYTES, BoundedLoader, brief, parse_yaml
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera, CameraModel
 
@@ -37,8 +39,8 @@ class Calibration:
     mount_rpy_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-class _Loader(yaml.SafeLoader):
-    """The safe loader, which reads OpenCV's matrices as plain mappings."""
+class _Loader(BoundedLoader):
+    """The bounded loader, which reads OpenCV's matrices as plain mappings."""
 
 
 def _opencv_matrix(loader: yaml.SafeLoader, node: yaml.Node) -> Any:
@@ -57,18 +59,15 @@ def load_yaml(path: Path) -> dict[str, Any]:
         InputError: missing, not YAML, or not a mapping.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
-        content = yaml.load(re.sub(r"\A%YAML:1\.\d[^\n]*\n", "", text), Loader=_Loader)
+        text = read_regular(path, MOST_BYTES)
     except FileNotFoundError:
         raise InputError(
             path, "is missing", "add the camera's calibration, see README, data formats"
         ) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, f"cannot be read ({type(error).__name__})", "check the file") from None
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        line = getattr(getattr(error, "problem_mark", None), "line", None)
-        place = "" if line is None else f" (line {line + 1})"
-        raise InputError(path, f"is not valid YAML{place}", "correct the file") from None
+    try:
+        content = parse_yaml(re.sub(r"\A%YAML:1\.\d[^\n]*\n", "", text), _Loader)
+    except ValueError as error:
+        raise InputError(path, str(error), "correct the file") from None
     if not isinstance(content, dict):
         raise InputError(path, "holds no fields", "write it as 'name: value' lines")
     return content
@@ -89,9 +88,7 @@ class Fields:
 
     def wrong(self, name: str, need: str) -> InputError:
         """The error for a field with an unusable value."""
-        return InputError(
-            self.path, f"field '{name}' is {str(self.content.get(name))[:60]!r}", f"give {need}"
-        )
+        return InputError(self.path, f"field '{name}' is {brief(self.content.get(name))}", f"give {need}")
 
     def number(self, name: str) -> float:
         """A finite number."""
@@ -166,7 +163,7 @@ def read_camera_yaml(path: Path) -> Calibration:
         InputError: a field is missing or wrong; the error names it.
     """
     fields = Fields(path, load_yaml(path))
-    name = str(fields.get("model"))
+    name = brief(fields.get("model")).strip("'")
     if name not in MODELS:
         raise fields.wrong("model", "one of " + ", ".join(MODELS))
     model = MODELS[name]
@@ -178,7 +175,7 @@ def read_camera_yaml(path: Path) -> Calibration:
         [fields.number(key) for key in ("fx", "fy", "cx", "cy")],
         fields.numbers("distortion") if has_lens else (),
     )
-    turn = str(fields.content.get("rotate_image", "none") or "none").lower()
+    turn = brief(fields.content.get("rotate_image", "none") or "none").strip("'").lower()
     if turn not in QUARTER_TURNS_CCW:
         raise fields.wrong("rotate_image", "one of " + ", ".join(QUARTER_TURNS_CCW))
     mount = (0.0, 0.0, 0.0)

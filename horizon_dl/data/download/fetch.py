@@ -8,9 +8,11 @@ from pathlib import Path
 from horizon_dl.data.download.download import download
 from horizon_dl.data.download.public_sets import Archive, PublicSet, find_set
 from horizon_dl.data.download.unpack import unpack
+from horizon_dl.data.regular_file import read_regular
 from horizon_dl.errors import InputError
 
 SUMS = "SHA256SUMS"
+MOST_SUMS = 2**20
 
 
 def fetch(
@@ -109,7 +111,8 @@ def _read_sums(path: Path) -> dict[str, str]:
     """File name to hash, from lines as `sha256sum` writes them."""
     if not path.exists():
         return {}
-    pairs = [line.split(maxsplit=1) for line in path.read_text().splitlines() if line.strip()]
+    lines = read_regular(path, MOST_SUMS).splitlines()
+    pairs = [line.split(maxsplit=1) for line in lines if line.strip()]
     if any(len(pair) != 2 or len(pair[0]) != 64 for pair in pairs):
         raise InputError(path, "is not a list of SHA-256 sums", "remove it")
     return {file.lstrip("*"): digest for digest, file in pairs}

@@ -19,9 +19,12 @@ from horizon_dl.data.readers.parsing import (
     beside,
     by_time,
     check_overlap,
+    inside_folder,
     read_lines,
     read_numbers,
     relative_name,
+    usable_quaternions,
+    whole_number,
 )
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
@@ -32,6 +35,8 @@ Floats = NDArray[np.float64]
 NAME = "euroc"
 NEEDS = "mav0/cam0 (data, data.csv, sensor.yaml) and mav0/state_groundtruth_estimate0 or mav0/imu0"
 NANOSECOND = 1e-9
+MOST_IMU = 1e4
+"""rad/s and m/s^2: no IMU measures more."""
 UP_WORLD = np.array([0.0, 0.0, 1.0])
 
 
@@ -58,7 +63,7 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     source, up_body, note = up_in_body(root, image_times)
     frames = []
     for (stamp, name), up in zip(images, up_body, strict=True):
-        path = root / "cam0" / "data" / name
+        path = inside_folder(root / "cam0" / "data.csv", root / "cam0" / "data", name)
         up_cam = None if up is None else unit(cam_from_body @ up)
         header = FrameHeader(relative_name(path, folder), stamp * NANOSECOND, up_cam)
         labels = beside(root, "labels", path.stem) or beside(root.parent, "labels", path.stem)
@@ -83,7 +88,7 @@ def up_in_body(root: Path, image_times_s: Floats) -> tuple[Path, list[Floats | N
     truth, imu = root / "state_groundtruth_estimate0" / "data.csv", root / "imu0" / "data.csv"
     if truth.is_file():
         samples = read_numbers(truth, 8)
-        samples = samples[np.linalg.norm(samples[:, 4:8], axis=-1) > 1e-6]
+        samples = samples[usable_quaternions(samples[:, 4:8])]
         times, quaternions = by_time(samples[:, 0] * NANOSECOND, samples[:, 4:8])
         check_overlap(truth, image_times_s, times)
         attitudes = (interpolate(times, quaternions, t, MAX_GAP_S) for t in image_times_s.tolist())
@@ -92,7 +97,8 @@ def up_in_body(root: Path, image_times_s: Floats) -> tuple[Path, list[Floats | N
     if not imu.is_file():
         raise InputError(root, "has neither state_groundtruth_estimate0 nor imu0", "copy one of them")
     samples = read_numbers(imu, 7)
-    times, rates = by_time(samples[:, 0] * NANOSECOND, samples[:, 1:7])
+    possible = (np.abs(samples[:, 1:7]) < MOST_IMU).all(axis=-1)
+    times, rates = by_time(samples[possible, 0] * NANOSECOND, samples[possible, 1:7])
     check_overlap(imu, image_times_s, times)
     up_samples = estimate_up(times, rates[:, :3], rates[:, 3:])
     ups = [_up_at(times, up_samples, t) for t in image_times_s.tolist()]
@@ -110,11 +116,12 @@ def read_images(path: Path) -> list[tuple[int, str]]:
         if line.lstrip().startswith("#"):
             continue
         stamp, _, name = (part.strip() for part in line.partition(","))
-        if not stamp.isdigit() or not name:
+        number = whole_number(stamp)
+        if number is None or not name:
             raise InputError(
                 path, f"holds the line {line.strip()[:40]!r}", "lines are 'nanoseconds,filename'"
             )
-        pairs.append((int(stamp), name))
+        pairs.append((number, name))
     return pairs
 
 

@@ -5,13 +5,14 @@ attitude is the body's (FRD in NED); a blank or NaN attitude means that the fram
 """
 
 import math
+from collections import Counter
 from pathlib import Path
 
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
-from horizon_dl.data.readers.parsing import beside, column, read_table
+from horizon_dl.data.readers.parsing import MOST_HEIGHT_M, column, inside_folder, label_beside, read_table
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
@@ -39,11 +40,13 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     roll, pitch, yaw, height = (
         column(table, rows, name) for name in ("roll_rad", "pitch_rad", "yaw_rad", "height_m")
     )
+    # An image that is named twice, with two times, has one label.
+    stems = Counter(Path(name).stem for name in {row.get("image") or "" for row in rows})
     frames = []
     for index, row in enumerate(rows):
         if not row.get("image") or not math.isfinite(times[index]):
             raise InputError(table, f"row {index + 1} has no image or no time", "complete or remove the row")
-        path = folder / row["image"]
+        path = inside_folder(table, folder, row["image"])
         # The heading does not move the horizon: without it, zero serves.
         angles = (roll[index], pitch[index], yaw[index] if math.isfinite(yaw[index]) else 0.0)
         up_cam = None
@@ -54,9 +57,9 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
             time_s=float(times[index]),
             up_cam=up_cam,
             yaw_rad=float(yaw[index]) if math.isfinite(yaw[index]) else None,
-            height_m=float(height[index]) if math.isfinite(height[index]) else None,
+            height_m=float(height[index]) if abs(height[index]) < MOST_HEIGHT_M else None,
         )
-        truth, depth = beside(folder, "labels", path.stem), beside(folder, "depth", path.stem)
+        truth, depth = (label_beside(folder, kind, row["image"], stems) for kind in ("labels", "depth"))
         frames.append((header, FrameFiles(path, truth, depth)))
     return image_recording(
         folder.resolve().name,

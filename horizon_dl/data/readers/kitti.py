@@ -11,10 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.calibration.calibration import MAX_SIDE_PX
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
-from horizon_dl.data.readers.parsing import beside, images_in, read_lines, relative_name
+from horizon_dl.data.readers.parsing import beside, images_in, read_lines, relative_name, whole_number
+from horizon_dl.data.regular_file import read_regular
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import rotation_from_rpy, unit
@@ -27,6 +29,8 @@ NEEDS = "KITTI raw, <date>/<drive>/image_02/data and oxts, with calib_*.txt in <
 CAMERA_HEIGHT_M = 1.65
 CALIBRATION = "calib_cam_to_cam.txt"
 FRAME_PERIOD_S = 0.1
+MOST_OXTS = 4096
+"""Bytes of a frame's file: 30 numbers."""
 RANGE_UNIT = RangeUnit(1 / 256, "ray")
 FRD_FROM_FLU = np.diag([1.0, -1.0, -1.0])
 
@@ -87,9 +91,9 @@ def pose_of_frame(path: Path, cam_from_imu: Floats) -> tuple[Floats | None, floa
     gives FRD and a world whose z points down; there roll keeps its sign, pitch and yaw change theirs.
     """
     try:
-        roll, pitch, yaw = (float(cell) for cell in path.read_text(encoding="ascii").split()[3:6])
+        roll, pitch, yaw = (float(cell) for cell in read_regular(path, MOST_OXTS).split()[3:6])
         down_from_body = rotation_from_rpy(roll, -pitch, -yaw)
-    except (OSError, ValueError):
+    except (OSError, ValueError, InputError):
         return None, None
     return unit(cam_from_imu @ FRD_FROM_FLU @ down_from_body.T @ [0.0, 0.0, -1.0]), -yaw
 
@@ -106,8 +110,8 @@ def calibration(folder: Path) -> tuple[Camera, Floats]:
         _rotation(folder / name, _read_calib(folder / name), "R")
         for name in ("calib_velo_to_cam.txt", "calib_imu_to_velo.txt")
     )
-    if min(width, height, projection[0, 0], projection[1, 1]) < 1:
-        raise InputError(path, "S_rect_02 or P_rect_02 is not positive", "copy the file again")
+    if min(width, height, projection[0, 0], projection[1, 1]) < 1 or max(width, height) > MAX_SIDE_PX:
+        raise InputError(path, "S_rect_02 or P_rect_02 is of no camera", "copy the file again")
     camera = Camera(
         "pinhole",
         int(width),
@@ -126,9 +130,10 @@ def frame_times(drive: Path, images: list[Path]) -> list[float]:
         if not path.is_file():
             continue
         stamps = [parse_time(path, line) for line in read_lines(path)]
-        numbers = [int(image.stem) if image.stem.isdigit() else len(stamps) for image in images]
-        if stamps and all(number < len(stamps) for number in numbers):
-            return [stamps[number] - stamps[0] for number in numbers]
+        numbers = [whole_number(image.stem) for image in images]
+        known = [number for number in numbers if number is not None and number < len(stamps)]
+        if stamps and len(known) == len(images):
+            return [stamps[number] - stamps[0] for number in known]
     return [FRAME_PERIOD_S * index for index in range(len(images))]
 
 

@@ -24,6 +24,8 @@ from horizon_dl.data.readers.parsing import (
     images_in,
     read_lines,
     read_table,
+    usable_quaternions,
+    whole_number,
 )
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
@@ -116,10 +118,11 @@ def read_log(log: Path) -> tuple[Floats, Floats, Floats, Floats]:
         [column(log, rows, name) for name in (QUATERNION if has_quaternion else ANGLES)], axis=-1
     )
     if not has_quaternion:
-        attitude = np.array([quaternion_from_rpy(*angles) for angles in attitude])
-    good = (
-        np.isfinite(times) & np.isfinite(attitude).all(axis=-1) & (np.linalg.norm(attitude, axis=-1) > 1e-6)
-    )
+        known = np.where(np.isfinite(attitude), attitude, 0.0)
+        unknown = ~np.isfinite(attitude).all(axis=-1)
+        attitude = np.array([quaternion_from_rpy(*angles) for angles in known])
+        attitude[unknown] = np.nan
+    good = np.isfinite(times) & usable_quaternions(attitude)
     # Without the column nothing speaks against flight.
     thrust = column(log, rows, "cmd_thrust") if "cmd_thrust" in rows[0] else np.ones(len(rows))
     extras = np.stack([-column(log, rows, "pos_z"), (thrust > 0).astype(np.float64)], axis=-1)
@@ -130,7 +133,7 @@ def read_log(log: Path) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def _images(place: Path) -> list[Path]:
-    return [path for path in images_in(place) if path.stem.isdigit()]
+    return [path for path in images_in(place) if whole_number(path.stem) is not None]
 
 
 def _log_of(place: Path) -> Path | None:

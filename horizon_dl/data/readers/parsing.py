@@ -2,16 +2,25 @@
 
 import csv
 import math
+import os
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.regular_file import read_regular
 from horizon_dl.errors import InputError
 
 Floats = NDArray[np.float64]
+
+LONGEST_NAME = 255
+"""Bytes; longer ones are an error of the system when they are looked for."""
+MOST_DIGITS = 19
+MOST_HEIGHT_M = 1e5
+"""Nothing flies higher: a larger number is none."""
 
 IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".ppm", ".pgm", ".tif", ".tiff", ".webp")
 MAX_GAP_S = 0.2
@@ -25,11 +34,9 @@ def read_lines(path: Path) -> list[str]:
         InputError: missing or not text.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = read_regular(path)
     except FileNotFoundError:
         raise InputError(path, "is missing", "restore the file") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, f"cannot be read as text ({type(error).__name__})", "check the file") from None
     return [line for line in text.splitlines() if line.strip()]
 
 
@@ -129,7 +136,52 @@ def images_in(folder: Path) -> list[Path]:
 def beside(folder: Path, kind: str, stem: str) -> Path | None:
     """`folder/kind/stem.png` if it is there."""
     path = folder / kind / f"{stem}.png"
-    return path if path.is_file() else None
+    return path if len(os.fsencode(path.name)) <= LONGEST_NAME and path.is_file() else None
+
+
+def label_beside(folder: Path, kind: str, name: str, stems: Counter[str]) -> Path | None:
+    """The `kind` image (`labels`, `depth`) of an image by its name within the recording.
+
+    `kind/a/1.png` belongs to `a/1.jpg` and to `images/a/1.jpg`; `kind/1.png` does as well where no other
+    image of the recording has that stem.
+
+    Args:
+        folder: of the recording.
+        kind: name of the folder with the labels.
+        name: of the image, relative to `folder`.
+        stems: how many images have each stem.
+    """
+    path = Path(name).with_suffix("")
+    parts = path.parts
+    whole = [beside(folder, kind, "/".join(parts[start:])) for start in range(min(2, len(parts) - 1))]
+    alone = beside(folder, kind, path.name) if stems[path.name] < 2 else None
+    return next((found for found in (*whole, alone) if found), None)
+
+
+def inside_folder(where: Path, folder: Path, name: str) -> Path:
+    """The path of a file that a list names.
+
+    Raises:
+        InputError: the name leaves the folder, or is none.
+    """
+    parts = Path(name).parts
+    if not parts or Path(name).is_absolute() or ".." in parts:
+        raise InputError(where, f"names {name[:60]!r}, outside of the folder", "copy the files into it")
+    if "\0" in name or len(name) > 2000 or any(len(os.fsencode(part)) > LONGEST_NAME for part in parts):
+        raise InputError(where, f"names {name[:60]!r}, which is no file name", "correct the line")
+    return folder / name
+
+
+def whole_number(text: str) -> int | None:
+    """The number in a text of at most 19 digits; None for anything else."""
+    return int(text) if text.isascii() and text.isdigit() and len(text) <= MOST_DIGITS else None
+
+
+def usable_quaternions(quaternions: Floats) -> NDArray[np.bool_]:
+    """Which of (N, 4) can be brought to length one."""
+    largest = np.abs(quaternions).max(axis=-1)
+    usable: NDArray[np.bool_] = (largest > 1e-6) & (largest < 1e6)
+    return usable
 
 
 def relative_name(path: Path, folder: Path) -> str:

@@ -4,7 +4,8 @@ from pathlib import Path
 from typing import Protocol
 
 from horizon_dl.data.given import NOTHING_GIVEN, Given
-from horizon_dl.data.readers import euroc, film, image_files, images_csv, kitti, paparazzi, tum
+from horizon_dl.data.readers import euroc, film, image_files, images_csv, kitti, paparazzi, ros_bag, tum
+from horizon_dl.data.readers.plugins import Plugins, plugins
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 
@@ -22,7 +23,7 @@ class Reader(Protocol):
         """Opens the recording."""
 
 
-MODULES: tuple[Reader, ...] = (images_csv, kitti, paparazzi, tum, euroc, film, image_files)
+MODULES: tuple[Reader, ...] = (images_csv, kitti, paparazzi, tum, euroc, ros_bag, film, image_files)
 READERS = {reader.NAME: reader for reader in MODULES}
 FORMATS: tuple[str, ...] = tuple(READERS)
 
@@ -36,11 +37,14 @@ def open_recording(path: Path, format: str | None = None, given: Given = NOTHING
     path = Path(path)
     if not path.exists():
         raise InputError(path, "does not exist", "give the file or folder of a recording")
+    found = plugins()
+    readers = _all(found)
     if format is None:
-        format = recognise(path)
-    if format not in READERS:
-        raise InputError(f"--format {format}", "is not known", "choose one of " + ", ".join(FORMATS))
-    return READERS[format].read(path, given)
+        format = _recognised(path, readers, found.broken)
+    if format not in readers:
+        problem = found.broken.get(format, "is not known")
+        raise InputError(f"--format {format}", problem, "choose one of " + ", ".join(readers))
+    return readers[format].read(path, given)
 
 
 def recognise(path: Path) -> str:
@@ -49,10 +53,28 @@ def recognise(path: Path) -> str:
     Raises:
         InputError: none; the error lists what each format needs.
     """
-    for name, reader in READERS.items():
+    found = plugins()
+    return _recognised(path, _all(found), found.broken)
+
+
+def _all(found: Plugins) -> dict[str, Reader]:
+    """The package's own readers and other people's, in the order in which they are asked.
+
+    Other people's go before the two that take whatever is a film or holds pictures; no name is taken over.
+    """
+    general = (film, image_files)
+    special = {reader.NAME: reader for reader in MODULES if reader not in general}
+    last = {reader.NAME: reader for reader in general}
+    others = {name: reader for name, reader in found.readers.items() if name not in READERS}
+    return {**special, **others, **last}
+
+
+def _recognised(path: Path, readers: dict[str, Reader], broken: dict[str, str]) -> str:
+    for name, reader in readers.items():
         if reader.recognises(path):
             return name
-    needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in READERS.items())
+    needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in readers.items())
+    unusable = "".join(f"; {name} is installed, but {why}" for name, why in broken.items())
     empty = path.is_dir() and not any(path.iterdir())
     problem = "is empty" if empty else "is not a recording of a known format"
-    raise InputError(path, problem, f"needed is one of: {needs}")
+    raise InputError(path, problem, f"needed is one of: {needs}{unusable}")

@@ -4,6 +4,8 @@ The ground truth holds quaternions x y z w, camera optical to a world with z up.
 A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012.
 """
 
+import math
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +17,13 @@ from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
-    beside,
     by_time,
     check_overlap,
+    inside_folder,
+    label_beside,
     read_lines,
     read_numbers,
+    usable_quaternions,
 )
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
@@ -63,14 +67,16 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     truth = folder / "groundtruth.txt"
     samples = read_numbers(truth, 8)
     times, poses = by_time(samples[:, 0], samples[:, 1:])
-    usable = np.linalg.norm(poses[:, 3:7], axis=-1) > 1e-6
+    usable = usable_quaternions(poses[:, 3:7])
     times, poses = times[usable], poses[usable]
     check_overlap(truth, np.array([time_s for time_s, _ in images]), times)
+    stems = Counter(Path(name).stem for name in {name for _, name in images})
     frames = []
     for time_s, name in images:
         header = FrameHeader(name, time_s, *pose_at(times, poses, time_s))
-        labels = beside(folder, "labels", Path(name).stem)
-        frames.append((header, FrameFiles(folder / name, labels, nearest_depth(folder, depths, time_s))))
+        image = inside_folder(folder / "rgb.txt", folder, name)
+        labels = label_beside(folder, "labels", name, stems)
+        frames.append((header, FrameFiles(image, labels, nearest_depth(folder, depths, time_s))))
     return image_recording(
         folder.resolve().name,
         NAME,
@@ -115,10 +121,12 @@ def read_list(path: Path) -> list[tuple[float, str]]:
             continue
         stamp, _, name = line.strip().partition(" ")
         try:
-            pairs.append((float(stamp), name.strip()))
+            time_s = float(stamp)
         except ValueError:
-            name = ""
-        if not name:
+            time_s = math.nan
+        if name.strip() and math.isfinite(time_s):
+            pairs.append((time_s, name.strip()))
+        else:
             raise InputError(path, f"holds the line {line.strip()[:40]!r}", "lines are 'time filename'")
     return pairs
 
@@ -128,7 +136,7 @@ def nearest_depth(folder: Path, depths: list[tuple[float, str]], time_s: float) 
     if not depths:
         return None
     depth_time, name = min(depths, key=lambda pair: abs(pair[0] - time_s))
-    path = folder / name
+    path = inside_folder(folder / "depth.txt", folder, name)
     return path if abs(depth_time - time_s) <= MAX_DEPTH_OFFSET_S and path.is_file() else None
 
 

@@ -26,28 +26,28 @@ class PackedFrame:
 
     Attributes:
         image: JPEG file without colour subsampling, off by one or two grey levels.
-        counts: zlib stream of one bit a pixel.
+        valid_mask: zlib stream of one bit a pixel.
         target: zlib stream of float16 at half the size, as differences along the rows.
         elevation: the same of the elevation, rad.
     """
 
     image: bytes
-    counts: bytes
+    valid_mask: bytes
     target: bytes
     elevation: bytes
 
     @property
     def nbytes(self) -> int:
         """Bytes held."""
-        return len(self.image) + len(self.counts) + len(self.target) + len(self.elevation)
+        return len(self.image) + len(self.valid_mask) + len(self.target) + len(self.elevation)
 
 
 def pack(frame: TrainingFrame, elevation: Map) -> PackedFrame:
     """Compress a frame, whose target is one of half the size doubled, and its (h // 2, w // 2) elevation."""
     file = io.BytesIO()
     Image.fromarray(frame.image).save(file, "JPEG", quality=JPEG_QUALITY, subsampling=0)
-    counts = zlib.compress(np.packbits(frame.counts).tobytes(), level=1)
-    return PackedFrame(file.getvalue(), counts, _pack_target(frame.target), _pack_halves(elevation))
+    valid_mask = zlib.compress(np.packbits(frame.valid_mask).tobytes(), level=1)
+    return PackedFrame(file.getvalue(), valid_mask, _pack_target(frame.target), _pack_halves(elevation))
 
 
 def with_target(packed: PackedFrame, target: NDArray[np.float16]) -> PackedFrame:
@@ -59,9 +59,9 @@ def unpack(packed: PackedFrame) -> TrainingFrame:
     """What was packed, but for what JPEG takes away; about 1 ms at 320x240."""
     image = np.asarray(Image.open(io.BytesIO(packed.image)))
     height, width = image.shape[:2]
-    bits = np.frombuffer(zlib.decompress(packed.counts), np.uint8)
-    counts = np.unpackbits(bits, count=height * width).reshape(height, width).astype(np.bool_)
-    return TrainingFrame(image, doubled(_halves(packed.target, height, width), (height, width)), counts)
+    bits = np.frombuffer(zlib.decompress(packed.valid_mask), np.uint8)
+    valid_mask = np.unpackbits(bits, count=height * width).reshape(height, width).astype(np.bool_)
+    return TrainingFrame(image, doubled(_halves(packed.target, height, width), (height, width)), valid_mask)
 
 
 def unpack_elevation(packed: PackedFrame) -> Map:

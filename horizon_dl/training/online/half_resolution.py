@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.config import Config
 from horizon_dl.data.view import View
-from horizon_dl.geometry.horizon import IGNORED, horizon_label
+from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.geometry.resize import area_resize
 from horizon_dl.models.dropout import p_above_of_all_depths
 from horizon_dl.models.fcn import HorizonFCN
@@ -65,5 +65,5 @@ def doubled(target: NDArray[T], size: tuple[int, ...]) -> NDArray[T]:
 def coarse_frame(view: View, config: Config, guide: HorizonFCN | None) -> TrainingFrame:
     """As `training_frame`, with the target of half the size; `guide` as for `coarse_target`."""
     target = coarse_target(view.image, half_elevation(view.elevation), config, guide)
-    counts = horizon_label(view.elevation, config.labels.band_rad) != IGNORED
-    return TrainingFrame(view.image, target, counts)
+    valid_mask = labelled_pixels(view.elevation, config.labels.band_rad)
+    return TrainingFrame(view.image, target, valid_mask)

@@ -28,7 +28,7 @@ from horizon_dl.training.online.half_resolution import coarse_frame, coarse_targ
 from horizon_dl.training.online.replay_buffer import ReplayMemory
 from horizon_dl.training.run_folder import Run
 from horizon_dl.uncertainty.measures import Measures, binary_entropy
-from horizon_dl.uncertainty.percentile import RunningPercentile
+from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
 
 Map = NDArray[np.float32]
 
@@ -40,8 +40,6 @@ RENEWAL_FRAMES = 2
 """Then one old target is made anew every so many frames."""
 UNGUIDED = -1
 """Older than any target that a net has guided."""
-THRESHOLD_FRAMES = 50
-"""Remembered frames that the threshold is taken from, at most."""
 
 
 class OnlineLearner:
@@ -117,7 +115,7 @@ class OnlineLearner:
         view = self._view(seen)
         guide = self.net if self.frames >= FIRST_GUIDED_FRAME else None
         newest = coarse_frame(view, self.config, guide)
-        if not newest.counts.any():
+        if not newest.valid_mask.any():
             return
         self.memory.add(newest, half_elevation(view.elevation), UNGUIDED if guide is None else self.frames)
         if guide is not None and self.frames % RENEWAL_FRAMES == 0:
@@ -140,8 +138,8 @@ class OnlineLearner:
         Args:
             info: for the run's `info`, which the threshold is added to.
         """
-        net, frames = copy.deepcopy(self.net).eval(), self.memory.sample(THRESHOLD_FRAMES)
-        rule = {"threshold_rule": f"percentile-{self.config.threshold.percentile:g}"}
+        net, frames = copy.deepcopy(self.net).eval(), self.memory.sample(MOST_FRAMES)
+        rule = {"threshold_rule": PaperThreshold(self.config.threshold.percentile).rule}
 
         def run() -> Run:
             threshold = remembered_threshold(net, frames, self.config)
@@ -232,10 +230,11 @@ class OnlineLearner:
 
 def remembered_threshold(net: HorizonFCN, frames: Sequence[PackedFrame], config: Config) -> float:
     """The paper's threshold, bits: a percentile of a net's entropies on remembered frames."""
-    entropies = RunningPercentile(config.threshold.percentile)
-    for frame in map(unpack, frames):
-        entropies.add(binary_entropy(sample_p_above(net, frame.image).mean(axis=0))[frame.counts])
-    return entropies.value()
+    entropies = (
+        (binary_entropy(sample_p_above(net, frame.image).mean(axis=0)), frame.valid_mask)
+        for frame in map(unpack, frames)
+    )
+    return paper_threshold(entropies, config.threshold.percentile)
 
 
 def mean_loss(losses: list[float]) -> float:

@@ -5,11 +5,10 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.view import View
 from horizon_dl.targets.geodesic import horizon_distance, logit, relative_angle, step_cost, way_share
-from horizon_dl.uncertainty.measures import Measures, binary_entropy, p_other_side
+from horizon_dl.uncertainty.measures import P_ABOVE, Measures, binary_entropy, p_other_side
 
 Map = NDArray[np.float32]
 
-P_ABOVE = "p_above"
 FRAME_WEIGHT = 0.5
 SHARE_MARGIN = 0.02
 """The share of the way is kept this far from 0 and 1, where its log odds would drown the others."""

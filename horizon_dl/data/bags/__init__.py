@@ -1,0 +1,1 @@
+"""ROS bags of both generations: their files, messages, transforms, cameras and attitudes."""

@@ -1,0 +1,35 @@
+"""`run.json` of a run folder: what a net was trained on, and its threshold."""
+
+from typing import ClassVar
+
+from pydantic import Field
+
+from horizon_dl.schemas.base import Part, Versioned
+
+
+class CameraFields(Part):
+    """Intrinsics of the upright images; see `horizon_dl.geometry.camera.Camera`."""
+
+    model: str
+    width: int = Field(gt=0)
+    height: int = Field(gt=0)
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    distortion: tuple[float, ...] = ()
+
+
+class RunInfo(Versioned):
+    """The whole file."""
+
+    FILE: ClassVar[str] = "run.json"
+
+    schema_: int = Field(default=1, alias="schema")
+    data: str
+    format: str
+    camera: CameraFields
+    frames: int
+    train_s: float
+    threshold: float = Field(ge=0.0, le=1.0)
+    threshold_rule: str

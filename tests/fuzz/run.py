@@ -1,0 +1,103 @@
+"""Runs cases in process, each with a budget of time and memory."""
+
+import random
+import resource
+import signal
+import time
+import traceback
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from fuzz.targets import targets
+from horizon_dl.errors import HorizonError
+
+MOST_S = 2.0
+"""Processor time of one case."""
+HANGS_S = 20
+"""Wall-clock time after which a case is ended: it waits for something."""
+MOST_MB = 300
+
+
+@dataclass
+class Found:
+    """What became of all cases."""
+
+    count: int = 0
+    refused: Counter[str] = field(default_factory=Counter)
+    read: Counter[str] = field(default_factory=Counter)
+    slowest_s: dict[str, float] = field(default_factory=dict)
+    grown_mb: float = 0.0
+    faults: list[str] = field(default_factory=list)
+
+    def summary(self) -> dict[str, Any]:
+        names = sorted({*self.refused, *self.read})
+        slowest = {name: round(self.slowest_s[name], 3) for name in names}
+        by_target = {name: [self.read[name], self.refused[name], slowest[name]] for name in names}
+        return {"read, refused, slowest s": by_target, "most memory grown, MB": round(self.grown_mb)}
+
+
+class Hangs(BaseException):
+    """A case takes too long."""
+
+
+def run_cases(place: Path, count: int, seed: int, only: list[str] | None = None) -> Found:
+    """`count` cases; the same seed gives the same ones."""
+    found, chance = Found(), random.Random(seed)
+    every = [target for target in targets(place) if not only or target.name in only]
+    shares = [target.share for target in every]
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", category=RuntimeWarning, module="horizon_dl")
+        for number in range(count):
+            target = chance.choices(every, shares)[0]
+            own = random.Random(f"{seed} {number}")
+            _one(found, target.name, number, lambda target=target, own=own: target.case(own))
+    return found
+
+
+def _one(found: Found, name: str, number: int, case: Any) -> None:
+    found.count += 1
+    before_mb, start = _peak_mb(), time.process_time()
+    try:
+        with _alarm():
+            case()
+        found.read[name] += 1
+    except HorizonError as error:
+        found.refused[name] += 1
+        text = str(error)
+        if not text.isprintable() or len(text) > 2500:
+            found.faults.append(
+                f"{name} {number}: a message that is not printable or too long: {text[:200]!r}"
+            )
+    except (Exception, Hangs) as error:
+        where = traceback.extract_tb(error.__traceback__)
+        ours = next((line for line in reversed(where) if "horizon_dl" in line.filename), where[-1])
+        place = f"{Path(ours.filename).name}:{ours.lineno}"
+        found.faults.append(f"{name} {number}: {type(error).__name__} at {place}: {str(error)[:150]!r}")
+    took_s, grown = time.process_time() - start, _peak_mb() - before_mb
+    found.slowest_s[name] = max(found.slowest_s.get(name, 0.0), took_s)
+    found.grown_mb = max(found.grown_mb, grown)
+    if took_s > MOST_S or grown > MOST_MB:
+        found.faults.append(f"{name} {number}: {took_s:.1f} s, {grown:.0f} MB")
+
+
+def _peak_mb() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+@contextmanager
+def _alarm() -> Iterator[None]:
+    def ring(*_: object) -> None:
+        raise Hangs(f"over {HANGS_S} s")
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, HANGS_S)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
