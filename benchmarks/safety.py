@@ -2,9 +2,8 @@
 
     HORIZON_DL_DATA=... python benchmarks/safety.py --nets nets/ --out safety.json [--set embedded ...]
 
-For each set a net is trained (once: it is kept in --nets) on all frames but the fourth and the eighth tenth of
-them, exported, and flown on: the same way from picture to sectors as in flight. Counted are sectors of 1.25
-degrees. In pictures that show nothing, or not what is before the vehicle, no sector may be free. In degraded
+For each set a net is trained (once: it is kept in --nets) on all frames but the fourth and the eighth tenth,
+exported, and flown on: the same way from picture to sectors as in flight. Counted are sectors of 1.25 degrees. In pictures that show nothing, or not what is before the vehicle, no sector may be free. In degraded
 ones none may be free (`clear`), or farther than 1.5 times the truth (`too far`), where the truth has an
 obstacle, or where the picture is lost. What it costs is counted on the frames that were left out.
 
@@ -170,7 +169,7 @@ def _wrong(
         truth = nearest(frame.truth, *polar.cell.shape)
         true = free_distances(truth == Truth.OBSTACLE, polar, 1.0, known=truth != Truth.IGNORE)
         blocked = true.outcome == Outcome.OBSTACLE
-        reach = np.tan(np.where(found.outcome == Outcome.UNKNOWN, np.inf, found.depression_rad))
+        reach = np.tan(np.where(found.outcome == Outcome.UNKNOWN, 1.5, found.depression_rad))
         too_far = blocked & (found.outcome != Outcome.UNKNOWN)
         too_far &= np.tan(np.nan_to_num(true.depression_rad)) > MISSED_FACTOR * np.nan_to_num(reach)
     if spoiled.lost is not None:

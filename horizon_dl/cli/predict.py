@@ -97,10 +97,12 @@ def _from_run(folder: Path, recording: "Recording") -> "Iterator[Drawn | FrameEr
     from horizon_dl.data.frame import checked
     from horizon_dl.errors import FrameError
     from horizon_dl.reporting.comparison import prediction_panel
+    from horizon_dl.training.evidence import place_of
     from horizon_dl.training.predict import predict
     from horizon_dl.training.run_folder import load_run
 
     trained = load_run(folder)
+    place = place_of(trained.info, folder)
     for item in recording.frames():
         try:
             if isinstance(item, FrameError):
@@ -109,7 +111,7 @@ def _from_run(folder: Path, recording: "Recording") -> "Iterator[Drawn | FrameEr
         except FrameError as error:
             yield error
             continue
-        yield item.name, prediction_panel(prediction, item, trained.threshold), prediction.arrays()
+        yield item.name, prediction_panel(prediction, item, trained.threshold, place), prediction.arrays()
 
 
 def _from_file(path: Path, recording: "Recording") -> "Iterator[Drawn | FrameError]":

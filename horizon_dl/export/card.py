@@ -8,7 +8,6 @@ from safetensors.torch import save
 
 from horizon_dl.config import Config
 from horizon_dl.data.source import Recording
-from horizon_dl.evidence.place import Place
 from horizon_dl.geometry.camera import Camera, working_size
 from horizon_dl.methods.registry import FOREST, NET
 from horizon_dl.models.build import parameter_count
@@ -16,6 +15,7 @@ from horizon_dl.models.features import FEATURE_NAMES
 from horizon_dl.models.forest import HorizonForest
 from horizon_dl.provenance import versions
 from horizon_dl.runtime.model import camera_from_card
+from horizon_dl.training.evidence import place_of
 from horizon_dl.training.run_folder import Run, weights
 
 KIND = "horizon-dl obstacle model"
@@ -143,14 +143,13 @@ def _common(config: Config, camera: Camera, threshold: float, rule: str | None) 
 
 def evidence_for(run: Run, camera: Camera) -> dict[str, Any] | None:
     """The limits of the training pictures for another camera's; None for a run of before they were kept."""
-    card, max_pixels = run.info.get("evidence"), run.config.image.max_pixels
-    if card is None:
+    place, max_pixels = place_of(run.info, "run.json"), run.config.image.max_pixels
+    if place is None:
         return None
     trained = camera_from_card(run.info) if "camera" in run.info else camera
     same = working_size(camera.width, camera.height, max_pixels) == working_size(
         trained.width, trained.height, max_pixels
     )
-    place = Place.from_card(card)
     return (place if same else place.at_another_size()).to_card()
 
 

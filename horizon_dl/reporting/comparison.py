@@ -10,6 +10,7 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.evaluation.compare import Comparison
 from horizon_dl.evaluation.scoring import ScoredFrame
+from horizon_dl.evidence.place import Place
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.accumulators import Tally
 from horizon_dl.metrics.calibration_error import Reliability
@@ -82,21 +83,23 @@ def comparison_panel(scored: ScoredFrame) -> Image:
     )
 
 
-def prediction_panel(prediction: Prediction, frame: Frame, threshold: float) -> Image:
+def prediction_panel(
+    prediction: Prediction, frame: Frame, threshold: float, place: Place | None = None
+) -> Image:
     """Image, classification, uncertainty, obstacle map; distances and truth where the frame has them."""
     found, view = prediction.measures, prediction.view
-    ranges = ranges_of(frame, found.p_above, threshold)
+    ranges = ranges_of(frame, found.p_above, threshold, place)
     row = PanelRow("", found.p_above, found.entropy, prediction.obstacles, ranges=ranges)
     return frame_panel(view.image, view.elevation, [row], frame.truth, title=frame.name)
 
 
-def ranges_of(frame: Frame, p_above: Floats, threshold: float) -> Image | None:
+def ranges_of(frame: Frame, p_above: Floats, threshold: float, place: Place | None = None) -> Image | None:
     """The picture of distances per bearing of a map (h, w), or None for frames without a height."""
     if frame.height_m is None:
         return None
     height, width = p_above.shape
     directions = camera_rays(frame.calibrated.scaled(width, height)).directions
-    return range_picture(frame, directions, p_above.astype(np.float32), threshold)
+    return range_picture(frame, directions, p_above.astype(np.float32), threshold, place)
 
 
 def write_comparison(

@@ -113,5 +113,5 @@ def _of_frame(model: ObstacleModel, rays: NDArray[np.float32], frame: Frame) -> 
     found = model.predict(frame.image, frame.up_cam)
     ranges = None
     if frame.height_m is not None:
-        ranges = range_picture(frame, rays, found.p_above, model.threshold)
+        ranges = range_picture(frame, rays, found.p_above, model.threshold, model.place)
     return FileOutputs(frame, found, ranges)

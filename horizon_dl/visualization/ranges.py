@@ -1,6 +1,7 @@
 """Free ground, the distance per bearing and the chosen heading drawn into a picture, for any lens."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,7 @@ def draw_ranges(
     *,
     forward_cam: NDArray[np.float64] | tuple[float, float, float] = (0.0, 0.0, 1.0),
     far_m: float = FAR_M,
+    reasons: Sequence[str] = (),
 ) -> Image:
     """The picture with free ground in green, contacts from red (near) to yellow (far), the heading in blue.
 
@@ -53,6 +55,7 @@ def draw_ranges(
         heading: drawn as a line on the ground; None draws none.
         forward_cam: (3,) what bearing zero means, as for the sectors.
         far_m: this far is yellow.
+        reasons: why nothing is believed, written at the top.
     """
     height, width = directions.shape[:2]
     bearing, depression = directions_to_polar(directions, up_cam, forward_cam)
@@ -69,7 +72,10 @@ def draw_ranges(
     if heading is not None:
         off = np.abs(bearing - heading.bearing_rad) * np.cos(depression)
         drawn = tint(drawn, (off < line_rad) & ground, ABOVE_COLOUR, 0.9)
-    return _with_labels(drawn, edge, sector, found)
+    drawn = _with_labels(drawn, edge, sector, found)
+    for row, reason in enumerate(reasons):
+        paste(drawn, text_image(f"unknown: {reason}", LABEL_PX), LABEL_GAP_PX * row, 0)
+    return drawn
 
 
 def _sector_of(bearing: Floats, found: FreeDistances) -> NDArray[np.int64]:

@@ -66,7 +66,7 @@ def drawn_frames(model: PictureModel, recording: Recording) -> Iterator[Image]:
             continue
         if frame.up_cam is not None:
             p_above = model.predict(frame.image, frame.up_cam).p_above
-            drawn = range_picture(frame, rays, p_above, model.threshold)
+            drawn = range_picture(frame, rays, p_above, model.threshold, model.place)
             if drawn is not None:
                 yield drawn[:height, :width]
 
