@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from io import BytesIO
 from typing import Literal
 
@@ -86,6 +87,29 @@ def _blurred(picture: Picture, radius: float) -> Picture:
 def _motion(picture: Picture, pixels: int, axis: int) -> Picture:
     shifted = [np.roll(picture.astype(np.float32), shift, axis) for shift in range(-pixels // 2, pixels // 2)]
     return _bytes(np.mean(shifted, axis=0))
+
+
+def _plain(scene: Scene, _: np.random.Generator, *, colour: object) -> Picture:
+    return _bytes(_flat(scene, colour))
+
+
+def _grain(scene: Scene, rng: np.random.Generator, *, level: float, sd: float) -> Picture:
+    return _noisy(_flat(scene, level), sd, rng)
+
+
+def _elsewhere(scene: Scene, _: np.random.Generator, *, name: str) -> Picture:
+    return _fitted(scene.others[name], scene)
+
+
+def _lost_part(
+    scene: Scene,
+    _: np.random.Generator,
+    *,
+    rows: tuple[float, float],
+    columns: tuple[float, float],
+    colour: object,
+) -> Spoiled:
+    return _part(scene, rows, columns, colour)
 
 
 def _vignette(scene: Scene, level: float) -> NDArray[np.float64]:
@@ -257,10 +281,10 @@ def _nothing() -> None:
         "blue": (20, 30, 220),
         "brown": (110, 80, 60),
     }.items():
-        _add(name, "nothing", lambda s, r, c=colour: _bytes(_flat(s, c)))
+        _add(name, "nothing", partial(_plain, colour=colour))
     for level, sd in ((4, 2.0), (6, 8.0), (128, 3.0), (128, 12.0), (160, 3.0), (250, 4.0)):
         name = f"level {level} with sensor noise {sd:g}"
-        _add(name, "nothing", lambda s, r, a=level, b=sd: _noisy(_flat(s, a), b, r))
+        _add(name, "nothing", partial(_grain, level=level, sd=sd))
     _add("the floor's median", "nothing", lambda s, r: _bytes(_flat(s, _floor_colour(s))))
     _add("the floor's median, noise", "nothing", lambda s, r: _noisy(_flat(s, _floor_colour(s)), 4.0, r))
     _add("the picture's mean", "nothing", lambda s, r: _bytes(_flat(s, s.image.mean((0, 1)))))
@@ -318,7 +342,7 @@ def _not_there() -> None:
         "icl_office_kt3",
         "gopro_max_path",
     ):
-        _add(f"another place: {name}", "not there", lambda s, r, n=name: _fitted(s.others[n], s))
+        _add(f"another place: {name}", "not there", partial(_elsewhere, name=name))
 
 
 def _degraded() -> None:
@@ -331,7 +355,7 @@ def _degraded() -> None:
         ("left half black", (0, 1), (0, 0.5), 0),
         ("right half grey", (0, 1), (0.5, 1), 128),
     ):
-        _add(name, "degraded", lambda s, r, a=rows, b=columns, c=colour: _part(s, a, b, c))
+        _add(name, "degraded", partial(_lost_part, rows=rows, columns=columns, colour=colour))
     _add("black stripes along", "degraded", lambda s, r: _stripes(s, 0, 32))
     _add("black stripes upright", "degraded", lambda s, r: _stripes(s, 1, 32))
     _add("macroblocks lost", "degraded", _macroblocks)
@@ -365,7 +389,7 @@ def _side(scene: Scene) -> NDArray[np.float64]:
 def _blots(scene: Scene, rng: np.random.Generator) -> NDArray[np.float64]:
     v, u = _places(scene)
     blots = [np.exp(-((v - y) ** 2 + (u - x) ** 2) / 0.02) for y, x in rng.uniform(-1, 1, (12, 2))]
-    return np.clip(1.3 * np.max(blots, axis=0), 0, 1)
+    return np.asarray(np.clip(1.3 * np.max(blots, axis=0), 0, 1))
 
 
 _nothing()
