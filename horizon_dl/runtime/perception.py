@@ -103,6 +103,7 @@ class Sighting:
             floor_up_cam: (3,) the floor's normal where it differs from `up_cam`.
             doubts: why the frame is not to be believed, known beforehand.
         """
+        self.judged = self.ranged = None
         outputs = self.model.predict(image, up_cam)
         floor = up_cam if floor_up_cam is None else floor_up_cam
         try:

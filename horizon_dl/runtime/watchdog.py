@@ -71,9 +71,8 @@ class Watchdog:
     def doubts(self) -> tuple[str, ...]:
         """Reasons of the last two seconds, the newest last."""
         now = self.clock()
-        kept = {reason: since for reason, since in self._doubts_s.items() if now - since <= DOUBT_S}
-        self._doubts_s = kept
-        return tuple(kept)
+        newest = list(self._doubts_s.items())  # a copy: another thread adds to it
+        return tuple(reason for reason, since_s in newest if now - since_s <= DOUBT_S)
 
     def troubles(self) -> tuple[str, ...]:
         """What is wrong now, most basic first; empty if the newest sectors may be believed."""
