@@ -13,8 +13,8 @@ COMB = 1.3
 """Rows differ less from the next than from the one after it; where this much more, they are of two frames."""
 LEAST_CHANGE = 2.0
 """Grey levels; less is no structure to judge by."""
-SHIFTS = (3, 40)
-"""A torn picture is shifted along its rows by this many pixels, at 320 pixels width."""
+LEAST_SHIFT, LARGEST_SHIFT = 3, 5
+"""A torn picture goes on shifted by 3 pixels to a fifth of its width."""
 TORN_OUTLIER = 1.8
 """A tear is worse than the rows around it by this factor; a straight edge along a row may be, too."""
 TORN_FIT = 0.7
@@ -66,7 +66,7 @@ def _undone(grey: Floats, change: Floats, row: int) -> bool:
         return False
     one, other = grey[row], grey[row + 1]
     width = len(one)
-    shifts = [s for size in range(SHIFTS[0], min(SHIFTS[1], width // 3)) for s in (size, -size)]
+    shifts = [s for size in range(LEAST_SHIFT, width // LARGEST_SHIFT) for s in (size, -size)]
     fits = [
         float(np.abs(one[max(0, -s) : width - max(0, s)] - other[max(0, s) : width - max(0, -s)]).mean())
         for s in shifts
