@@ -95,7 +95,7 @@ def _ways(name: str, seed: int, folder: Path) -> dict[Way, Variant]:
 
 
 def _single(net: HorizonFCN) -> Callable[[Tensor], Tensor]:
-    return lambda image: net.eval().deep.classifier(net.encode(image))[0, 0].sigmoid()
+    return lambda image: net.eval().judge(net.encode(image))[0, 0].sigmoid()
 
 
 def _drawn(net: HorizonFCN, place: str, trained: bool) -> dict[Way, Variant]:

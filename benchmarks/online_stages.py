@@ -30,8 +30,8 @@ from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.training.crops import draw_batch
+from horizon_dl.training.half_resolution import half_elevation, half_resolution_frame
 from horizon_dl.training.online.compression import pack, unpack
-from horizon_dl.training.online.half_resolution import coarse_frame, half_elevation
 from horizon_dl.training.online.learner import OnlineLearner
 
 SIZE = (320, 240)
@@ -105,11 +105,11 @@ def measure(data: Path, count: int) -> dict[str, list[Taken]]:
         timed("learn", learner.learn, view)
         if number < early:
             continue
-        newest = timed("  target, with the net's edges", coarse_frame, view, config, learner.net)
+        newest = timed("  target, with the net's edges", half_resolution_frame, view, config, learner.net)
         packed = timed("  replay: pack", pack, newest, half_elevation(view.elevation))
         timed("  replay: unpack one", unpack, packed)
         drawn = timed("  replay: draw a batch's frames", learner.memory.draw, config.online.batch - 1)
-        batch = timed("  crops", draw_batch, [newest, *drawn], config.train.crop, rng)
+        batch = timed("  crops", draw_batch, [newest, *drawn], config.online.crop, rng)
         timed("  step", learner._step, batch)
     return times
 

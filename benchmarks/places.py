@@ -2,14 +2,13 @@
 
 import copy
 import math
-from collections.abc import Iterator
 
 import torch
 from torch import Tensor, nn
 from torch.nn import functional as F  # noqa: N812  (torch's own name)
 
 from horizon_dl.models.encoders import SmallEncoder
-from horizon_dl.models.fcn import Head, HorizonFCN, normalised
+from horizon_dl.models.fcn import HorizonFCN, normalised
 
 AS_SHIPPED, HEAD, EVERYWHERE = "last layer", "head", "everywhere"
 PLACES = (AS_SHIPPED, HEAD, EVERYWHERE)
@@ -27,7 +26,7 @@ def place_dropout(net: HorizonFCN, place: str) -> HorizonFCN:
     net = copy.deepcopy(net)
     if place == AS_SHIPPED:
         return net
-    for head in heads(net):
+    for head in net.heads():
         head.neck = nn.Sequential(nn.Dropout2d(head.dropout.p), *head.neck)
     if place == EVERYWHERE:
         assert isinstance(net.encoder, SmallEncoder)
@@ -41,13 +40,6 @@ def place_dropout(net: HorizonFCN, place: str) -> HorizonFCN:
     return net
 
 
-def heads(net: HorizonFCN) -> Iterator[Head]:
-    """The heads at all depths."""
-    for head in (*net.shallow, net.deep):
-        assert isinstance(head, Head)
-        yield head
-
-
 @torch.inference_mode()
 def drawn_samples(net: HorizonFCN, place: str, image: Tensor, count: int) -> Tensor:
     """`p_above` under `count` fresh draws of dropout, (count, h / s, w / s) of (1, 3, h, w) RGB in [0, 1].
@@ -59,18 +51,20 @@ def drawn_samples(net: HorizonFCN, place: str, image: Tensor, count: int) -> Ten
         features = net.encode(image)
         rate = net.deep.dropout.p
         masks = torch.bernoulli(torch.full((count, features.shape[1], 1, 1), 1 - rate)) / (1 - rate)
-        classifier = net.deep.classifier
-        assert classifier.bias is not None
-        return F.conv2d(features, masks * classifier.weight, classifier.bias.expand(count))[0].sigmoid()
+        weight, bias = net.last_layer()
+        return F.conv2d(features, masks * weight, bias.expand(count))[0].sigmoid()
     for module in net.modules():
         if isinstance(module, nn.Dropout2d):
             module.train()
     if place == HEAD:
-        features = net.encoder(normalised(image))[-1]
-        parts = [net.deep(features.expand(size, -1, -1, -1)) for size in _chunks(count)]
+        depths = net.encoder(normalised(image))
+        parts = [
+            _mean_logit(net, [part.expand(size, -1, -1, -1) for part in depths]) for size in _chunks(count)
+        ]
     else:
         parts = [
-            net.deep(net.encoder(normalised(image.expand(size, -1, -1, -1)))[-1]) for size in _chunks(count)
+            _mean_logit(net, net.encoder(normalised(image.expand(size, -1, -1, -1))))
+            for size in _chunks(count)
         ]
     net.eval()
     return torch.cat(parts)[:, 0].sigmoid()
@@ -87,9 +81,15 @@ def analytic_mean(net: HorizonFCN, image: Tensor) -> Tensor:
     net.eval()
     features = net.encode(image)
     rate = net.deep.dropout.p
-    mean = net.deep.classifier(features)[0, 0]
-    variance = F.conv2d(features**2, net.deep.classifier.weight**2)[0, 0] * (rate / (1 - rate))
+    weight, bias = net.last_layer()
+    mean = F.conv2d(features, weight, bias)[0, 0]
+    variance = F.conv2d(features**2, weight**2)[0, 0] * (rate / (1 - rate))
     return torch.sigmoid(mean / torch.sqrt(1.0 + math.pi / 8.0 * variance))
+
+
+def _mean_logit(net: HorizonFCN, depths: list[Tensor]) -> Tensor:
+    logits = [head(part) for head, part in zip(net.heads(), depths, strict=True)]
+    return torch.stack(logits).mean(dim=0)
 
 
 def _chunks(count: int) -> list[int]:

@@ -3,7 +3,7 @@
     HORIZON_DL_DATA=... python benchmarks/safety.py --nets nets/ --out safety.json [--set embedded ...]
 
 For each set a net is trained (once: it is kept in --nets) on all frames but the fourth and the eighth tenth,
-exported, and flown on: the same way from picture to sectors as in flight. Sectors of 1.25 degrees are counted.
+exported, and flown on, by the same way from picture to sectors as in flight. Counted are sectors of 1.25 deg.
 In pictures that show nothing, or not what is before the vehicle, no sector may be free. In degraded ones none
 may be free (`clear`), or farther than 1.5 times the truth (`too far`), where the truth has an obstacle, or
 where the picture is lost. What it costs is counted on the frames that were left out.

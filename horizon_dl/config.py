@@ -61,9 +61,10 @@ class ModelConfig(Section):
 class TrainConfig(Section):
     """Training with the Lightning trainer."""
 
-    rounds: tuple[Count, ...] = Field(default=(150, 100, 200), min_length=1, max_length=1000)
-    batch: Few = 9
-    crop: Annotated[int, Field(ge=32, le=10**5)] = 128
+    rounds: tuple[Count, ...] = Field(default=(120, 80, 120), min_length=1, max_length=1000)
+    batch: Few = 12
+    crop: Annotated[int, Field(ge=32, le=10**5)] = 96
+    pastes: Annotated[int, Field(ge=0, le=100)] = 3
     learning_rate: Positive = 0.003
     weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
     average_decay: Share = 0.98
@@ -86,6 +87,7 @@ class OnlineConfig(Section):
     warm_up_steps: Count = 12
     steps_per_frame: Count = 2
     batch: Annotated[int, Field(ge=2, le=4096)] = 6
+    crop: Annotated[int, Field(ge=32, le=10**5)] = 128
     learning_rate: Positive = 0.003
     half_rate_steps: Count = 300
     least_rate: Positive = 0.0003

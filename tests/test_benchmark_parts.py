@@ -8,7 +8,7 @@ import torch
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 
 from figures import PARTS, Job, jobs_of, results
-from places import EVERYWHERE, HEAD, PLACES, analytic_mean, drawn_samples, heads, place_dropout
+from places import EVERYWHERE, HEAD, PLACES, analytic_mean, drawn_samples, place_dropout
 from shade import lit_and_shaded
 
 from horizon_dl.config import ModelConfig
@@ -24,7 +24,8 @@ def net():
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
         net = build_net(ModelConfig())
-        net.deep.classifier.weight.data.mul_(30.0)
+        for head in net.heads():
+            head.classifier.weight.data.mul_(30.0)
         yield net.eval()
 
 
@@ -38,7 +39,7 @@ def test_the_analytic_mean_is_that_of_many_draws(net, image):
     analytic = analytic_mean(net, image)
     assert drawn.std(dim=0).max() > 0.1  # there is something to average
     assert analytic == pytest.approx(drawn.mean(dim=0), abs=0.02)
-    single = net.deep.classifier(net.encode(image))[0, 0].sigmoid()
+    single = net.judge(net.encode(image))[0, 0].sigmoid()
     assert (single - drawn.mean(dim=0)).abs().max() > 0.05
 
 
@@ -49,7 +50,7 @@ def test_dropout_at_rate_nought_changes_nothing(net, image, place):
         if isinstance(module, torch.nn.Dropout2d):
             module.p = 0.0
     samples = drawn_samples(placed, place, image, 6)
-    single = net.deep.classifier(net.encode(image))[0, 0].sigmoid()
+    single = net.judge(net.encode(image))[0, 0].sigmoid()
     assert samples.shape == (6, *single.shape)
     assert torch.allclose(samples, single.expand(6, -1, -1).detach(), atol=1e-5)
 
@@ -58,7 +59,7 @@ def test_dropout_at_rate_nought_changes_nothing(net, image, place):
 def test_placed_dropout_makes_the_samples_differ(net, image, place, inside):
     placed = place_dropout(net, place)
     assert sum(isinstance(module, torch.nn.Dropout2d) for module in placed.modules()) == inside
-    assert all(isinstance(head.neck[0], torch.nn.Dropout2d) for head in heads(placed))
+    assert all(isinstance(head.neck[0], torch.nn.Dropout2d) for head in placed.heads())
     samples = drawn_samples(placed, place, image, 9)
     assert samples.std(dim=0).min() > 0
     assert not any(isinstance(module, torch.nn.Dropout2d) and module.training for module in placed.modules())

@@ -12,8 +12,9 @@ from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.models.dropout import single_pass_p_above
 from horizon_dl.training.averaging import averaged
-from horizon_dl.training.crops import TrainingFrame, draw_batch, training_frame
+from horizon_dl.training.crops import TrainingFrame, draw_batch
 from horizon_dl.training.frame_store import FramePool, FrameStore
+from horizon_dl.training.half_resolution import half_resolution_frame
 from horizon_dl.training.module import horizon_loss
 from horizon_dl.training.online.learner import OnlineLearner
 from horizon_dl.training.run_folder import load_run, save_run
@@ -68,16 +69,26 @@ def test_crops_keep_image_target_and_mask_together():
     assert torch.equal(batch.weights > 0, batch.images[:, :1] > 128.5 / 255)
 
 
+def test_pasted_pieces_bring_their_target_and_mask_along():
+    rng = np.random.default_rng(0)
+    batch = draw_batch([frame_of(value) for value in (10, 100, 200)], 32, rng, pastes=2)
+    assert torch.allclose(batch.images[:, :1], batch.targets, atol=1e-3)
+    for image in batch.images:
+        assert len(image[0].unique()) > 1  # other frames' pieces are in every crop
+    plain = draw_batch([frame_of(value) for value in (10, 100, 200)], 32, rng)
+    assert all(len(image[0].unique()) == 1 for image in plain.images)
+
+
 def test_crops_shrink_to_small_frames():
     assert draw_batch([frame_of(1)], 96, np.random.default_rng(0)).images.shape == (1, 3, 40, 50)
 
 
 def test_pixels_in_the_band_do_not_count(toy, config):
     view = next(FrameStore(toy, config).views([0]))
-    frame = training_frame(view, config)
+    frame = half_resolution_frame(view, config, None)
     near = np.abs(view.elevation) < config.labels.band_rad
     assert near.any()
-    assert np.array_equal(frame.counts, ~near)
+    assert np.array_equal(frame.valid_mask, ~near)
 
 
 def test_a_pool_too_small_for_the_set_exchanges_its_frames(toy, config):
@@ -85,7 +96,7 @@ def test_a_pool_too_small_for_the_set_exchanges_its_frames(toy, config):
     rng = np.random.default_rng(0)
 
     def make(view):
-        return training_frame(view, config)
+        return half_resolution_frame(view, config, None)
 
     whole = FramePool(store, range(24), make_frame=make, memory_mb=64, rng=rng)
     assert whole.complete

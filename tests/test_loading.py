@@ -77,7 +77,7 @@ def test_no_image_at_all(tmp_path: Path, content: bytes) -> None:
 def test_missing_and_folder(tmp_path: Path) -> None:
     with pytest.raises(FrameError, match="is missing"):
         recording(tmp_path / "none.png").read(0)
-    with pytest.raises(FrameError, match="cannot be read"):
+    with pytest.raises(FrameError, match="is a folder"):
         recording(tmp_path).read(0)
 
 

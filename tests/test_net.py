@@ -42,7 +42,7 @@ def test_sampling_is_dropout_with_the_kept_masks(net, image):
     with torch.no_grad():
         features = net.encode(image_tensor(image))
         masked = [features * mask[None, :, None, None] for mask in net.masks]
-        one_by_one = torch.cat([net.deep.classifier(part) for part in masked], dim=1)
+        one_by_one = torch.cat([net.judge(part) for part in masked], dim=1)
         together = net.sample_logits(features)
     torch.testing.assert_close(together, one_by_one, rtol=1e-4, atol=1e-5)
 
@@ -54,13 +54,15 @@ def test_samples_differ_from_the_single_pass_and_centre_on_it(net, image):
     with torch.no_grad():
         features = net.encode(image_tensor(image))
         mean_logit = net.sample_logits(features).mean(dim=1, keepdim=True)
-        torch.testing.assert_close(mean_logit, net.deep.classifier(features), rtol=1e-3, atol=1e-4)
+        torch.testing.assert_close(mean_logit, net.judge(features), rtol=1e-3, atol=1e-4)
 
 
-def test_the_deepest_logit_is_that_of_the_single_pass(net, image):
+def test_the_single_pass_is_the_mean_of_the_logits_of_all_depths(net, image):
     with torch.no_grad():
-        last = enlarge(net(image_tensor(image))[:, -1:].sigmoid(), image.shape[:2])
-    assert np.allclose(single_pass_p_above(net, image), last[0].numpy(), atol=1e-5)
+        logits = net(image_tensor(image))
+        assert (logits[:, 0] - logits[:, 1]).abs().max() > 1e-3
+        mean = enlarge(logits.mean(dim=1, keepdim=True).sigmoid(), image.shape[:2])
+    assert np.allclose(single_pass_p_above(net, image), mean[0].numpy(), atol=1e-5)
 
 
 def test_predictions_repeat_and_leave_the_random_state_alone(net, image):

@@ -23,7 +23,7 @@ from horizon_dl.training import checkpoint, tensor_file
 from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 
 FRAMES = 40
-KILLS = 50
+KILLS = int(os.environ.get("HORIZON_DL_KILLS", "50"))
 EVERY_FRAME = ("online.checkpoint_frames=1",)
 
 
@@ -77,7 +77,7 @@ def learn_and_die(data: Path, out: Path, started, point: str, count: int) -> Non
 
 
 @pytest.mark.slow
-def test_killed_fifty_times_a_run_equals_one_that_was_not(toy, whole, tmp_path):
+def test_killed_again_and_again_a_run_equals_one_that_was_not(toy, whole, tmp_path):
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["horizon_dl.online.run", "pytest"])
     chance = random.Random(0)

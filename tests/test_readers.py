@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.image_folder import FrameFiles
-from horizon_dl.data.readers import kitti as kitti_reader
+from horizon_dl.data.readers.kitti_times import parse_time
 from horizon_dl.data.readers.registry import FORMATS, open_recording
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 
@@ -98,7 +98,7 @@ def test_kitti_frame_without_oxts_has_no_attitude(tmp_path: Path) -> None:
 
 
 def test_kitti_time_has_nanoseconds() -> None:
-    seconds = kitti_reader.parse_time(Path("t"), "1970-01-01 00:01:00.123456789")
+    seconds = parse_time(Path("t"), "1970-01-01 00:01:00.123456789")
     assert seconds == pytest.approx(60.123456789, abs=1e-9)
 
 

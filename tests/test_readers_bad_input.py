@@ -157,7 +157,7 @@ def test_euroc_files(tmp_path: Path) -> None:
     imu.write_text("\n".join([*lines[:5], "12,a", *lines[5:]]))
     assert "line 6 has no 7 numbers" in message(folder)
     imu.unlink()
-    assert "neither state_groundtruth_estimate0 nor imu0" in message(folder)
+    assert "neither state_groundtruth_estimate0, mocap0 nor imu0" in message(folder)
 
 
 def test_log_that_is_cut_off_in_its_last_line_is_read(tmp_path: Path) -> None:

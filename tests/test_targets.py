@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from scipy import ndimage, sparse
 from scipy.sparse.csgraph import dijkstra
 
-from horizon_dl.config import Config, TargetConfig
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
 from horizon_dl.targets.geodesic import (
@@ -24,7 +23,6 @@ from horizon_dl.targets.geodesic import (
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
 from horizon_dl.targets.targets import TARGETS, make_target
-from horizon_dl.training.crops import training_frame
 
 HEIGHT, WIDTH = 40, 56
 
@@ -338,8 +336,6 @@ def test_what_the_net_says_reaches_the_target(learning):
     target = make_target(learning, view, p_above)
     np.testing.assert_array_equal(target, TARGETS[learning](view.image, view.elevation, p_above))
     assert np.abs(target - make_target(learning, view)).mean() > 0.01
-    frame = training_frame(view, Config(target=TargetConfig(kind=learning)), p_above)
-    np.testing.assert_array_equal(frame.target, target.astype(np.float16))
 
 
 def test_nothing_sure_in_reach_says_nothing_and_no_horizon_is_plain():

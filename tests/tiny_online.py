@@ -14,7 +14,7 @@ TINY = {
     "model.channels": "4",
     "model.samples": "4",
     "image.max_pixels": "1728",
-    "train.crop": "32",
+    "online.crop": "32",
     "online.batch": "3",
     "online.steps_per_frame": "2",
     "online.warm_up_steps": "2",

@@ -8,6 +8,7 @@ DIR then holds metrics.json, report.html, roc.svg and panels/. Truth (labels/) i
 
 import argparse
 
+from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import (
     add_config,
     add_data,
@@ -25,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_config(parser)
     add_out(parser)
+    add_force(parser)
     add_scheduler(parser)
     parser.add_argument(
         "--protocol",
@@ -41,6 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Compare, write the figures, and print their table."""
     recording = open_data(arguments)
     config = resolve_config(arguments)
+    stop_if_unfit(recording, config, force=arguments.force)
 
     from horizon_dl.config import save_config
     from horizon_dl.evaluation.compare import compare, split_recording

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from horizon_dl.data.source import Recording
     from horizon_dl.export.export import Exported
     from horizon_dl.geometry.camera import Camera
+    from horizon_dl.runtime.signature import Signer
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--int8", action="store_true", help="also write model-int8.onnx (needs --data)")
     parser.add_argument(
         "--forest", type=Path, metavar="DATA", help="fit the forest on this set, too, and write forest.onnx"
+    )
+    parser.add_argument(
+        "--sign", type=Path, metavar="KEY", help="sign the files with an Ed25519 private key (PEM)"
     )
     parser.add_argument("--format", metavar="NAME", help="format of DATA (recognised if left out)")
 
@@ -76,8 +80,9 @@ def run(arguments: argparse.Namespace) -> None:
     forest_data = open_recording(arguments.forest, arguments.format) if arguments.forest else None
     if data and forest_data and not same_camera(data.calibrated, forest_data.calibrated):
         raise InputError(arguments.forest, "has another camera than --data", "leave --data away")
+    sign = _signer(arguments.sign)
     with output_folder(arguments.out, "export", overwrite=arguments.overwrite) as folder:
-        exported = export_run(trained, camera, parity_frames(data) if data else ())
+        exported = export_run(trained, camera, parity_frames(data) if data else ()).signed(sign)
         exported = _measured(exported, data)
         exported.write(folder)
         _say(exported)
@@ -86,8 +91,15 @@ def run(arguments: argparse.Namespace) -> None:
         if forest_data:
             _write_forest(folder, exported, forest_data, trained.config, data)
         for width, height in arguments.size:
-            export_run(trained, _resized(camera, width, height)).write(folder, f"model-{width}x{height}")
+            resized = export_run(trained, _resized(camera, width, height)).signed(sign)
+            resized.write(folder, f"model-{width}x{height}")
     print(f"wrote {arguments.out}; next: horizon-dl benchmark {arguments.out / 'model.onnx'}")
+
+
+def _signer(key: Path | None) -> "Signer | None":
+    from horizon_dl.runtime.signature import read_signer
+
+    return None if key is None else read_signer(key)
 
 
 def _measured(exported: "Exported", data: "Recording | None") -> "Exported":
@@ -111,7 +123,7 @@ def _write_forest(
 ) -> None:
     from horizon_dl.export.forest import cost_line, export_forest, with_cost
 
-    forest = with_cost(_measured(export_forest(recording, config), data), net)
+    forest = with_cost(_measured(export_forest(recording, config), data), net).signed(net.sign)
     forest.write(folder, "forest")
     _say(forest)
     print(cost_line(forest.card["cost"]))

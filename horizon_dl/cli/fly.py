@@ -70,6 +70,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--threads", type=positive_int, default=1, metavar="N", help="of the model (default: 1)"
     )
+    parser.add_argument(
+        "--trust", type=Path, metavar="PUBKEY", help="fly only model files signed with its private key (PEM)"
+    )
     parser.add_argument("--duration", type=float, metavar="S", help="end after this time")
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="of a replay (default: 1)")
     parser.add_argument("--loop", action="store_true", help="replay again and again")
@@ -88,13 +91,15 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.runtime.hot_reload import FollowedModel
     from horizon_dl.runtime.perception import Sighting
     from horizon_dl.runtime.predict import check_camera
+    from horizon_dl.runtime.signature import read_verifier
     from horizon_dl.vehicle.mavlink import open_link
 
     if arguments.out is not None and arguments.out.is_dir():
         raise InputError(f"--out {arguments.out}", "is a folder", "name a file, such as flight.json")
     source = _source(arguments)
     settings = _settings(arguments, source)
-    model = FollowedModel.load(arguments.model, arguments.threads)
+    trusted = None if arguments.trust is None else read_verifier(arguments.trust)
+    model = FollowedModel.load(arguments.model, arguments.threads, trusted)
     problem = not_airworthy(model.current)
     if problem is not None:
         raise InputError(arguments.model, problem, "train longer and export again")

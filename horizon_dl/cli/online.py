@@ -14,6 +14,7 @@ metrics.json. Stopped or killed, the same command goes on where the last checkpo
 import argparse
 from typing import TYPE_CHECKING, Any
 
+from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import (
     add_autopilot,
     add_config,
@@ -38,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_config(parser)
     add_out(parser)
+    add_force(parser)
     parser.add_argument("--restart", action="store_true", help="do not go on from the checkpoint in RUN")
     parser.add_argument(
         "--max-frames", type=positive_int, metavar="N", help="end after the stream's first N frames"
@@ -70,6 +72,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Learn until the stream ends, Ctrl-C or SIGTERM; then write the run folder."""
     source = _source(arguments)
     config = resolve_config(arguments)
+    stop_if_unfit(source, config, force=arguments.force)
 
     from horizon_dl.errors import InputError
     from horizon_dl.online.real_time import run_in_real_time

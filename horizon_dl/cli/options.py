@@ -34,6 +34,12 @@ def add_given(parser: argparse.ArgumentParser) -> None:
         help="added to a log's times to give those of the images (default: 0)",
     )
     parser.add_argument(
+        "--time-unit", choices=("s", "ms", "us", "ns"), help="of the times in a table (found if left out)"
+    )
+    parser.add_argument(
+        "--angle-unit", choices=("rad", "deg"), help="of the angles in a table (found if left out)"
+    )
+    parser.add_argument(
         "--topic", action="append", default=[], metavar="NAME", help="of a bag, where several fit"
     )
 
@@ -122,6 +128,8 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
         attitude=arguments.attitude,
         time_offset_s=arguments.time_offset,
         needs_attitude=needs_attitude,
+        time_unit=arguments.time_unit,
+        angle_unit=arguments.angle_unit,
         topics=tuple(arguments.topic),
     )
 

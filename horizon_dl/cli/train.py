@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config, say_skipped
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_config(parser)
     add_out(parser)
+    add_force(parser)
     parser.add_argument(
         "--resume", action="store_true", help="go on from the checkpoint that a stopped training left in RUN"
     )
@@ -39,6 +41,7 @@ def run(arguments: argparse.Namespace) -> None:
         check_free(arguments.out)
     recording = open_data(arguments)
     config = resolve_config(arguments)
+    stop_if_unfit(recording, config, force=arguments.force)
 
     from horizon_dl.errors import printable
     from horizon_dl.output import output_folder

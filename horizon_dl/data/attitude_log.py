@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.frame import FrameHeader
-from horizon_dl.data.readers.parsing import MAX_GAP_S, MOST_HEIGHT_M, by_time, column, read_table
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.readers.parsing import MAX_GAP_S, MOST_HEIGHT_M
 from horizon_dl.data.source import MountRpy
+from horizon_dl.data.tables.attitude_table import read_attitude_table
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import bracket, interpolate, quaternion_from_rpy, up_in_camera, yaw_of
 
 Floats = NDArray[np.float64]
-
-COLUMNS = ("time_s", "roll_rad", "pitch_rad", "yaw_rad")
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,13 @@ class AttitudeLog:
         times_s: (N,) s, on the log's clock.
         quaternions: (N, 4) unit, (w, x, y, z).
         heights_m: (N,) metres of the camera over the floor, NaN where not known; None: nowhere.
+        notes: what its user should know, a sentence each.
     """
 
     times_s: Floats
     quaternions: Floats
     heights_m: Floats | None = None
+    notes: tuple[str, ...] = ()
 
     def header(self, name: str, time_s: float, mount_rpy_rad: MountRpy, offset_s: float = 0.0) -> FrameHeader:
         """What the log knows of a frame; gaps of over 0.2 s are not bridged.
@@ -73,7 +75,7 @@ class ConstantAttitude:
         return FrameHeader(name, time_s, up_in_camera(attitude, mount_rpy_rad), 0.0)
 
 
-def read_attitude(given: str) -> AttitudeLog | ConstantAttitude:
+def read_attitude(given: str, units: Given = NOTHING_GIVEN) -> AttitudeLog | ConstantAttitude:
     """What `--attitude` names: `constant:ROLL,PITCH` in degrees, or the file of a log.
 
     Raises:
@@ -84,7 +86,7 @@ def read_attitude(given: str) -> AttitudeLog | ConstantAttitude:
         -1.571
     """
     kind, _, rest = given.partition(":")
-    return _constant(rest) if kind == "constant" else read_attitude_csv(Path(given))
+    return _constant(rest) if kind == "constant" else read_attitude_csv(Path(given), units)
 
 
 def _constant(angles: str) -> ConstantAttitude:
@@ -98,21 +100,15 @@ def _constant(angles: str) -> ConstantAttitude:
     return ConstantAttitude(math.radians(roll), math.radians(pitch))
 
 
-def read_attitude_csv(path: Path) -> AttitudeLog:
-    """The attitude log in a CSV file with the columns time_s, roll_rad, pitch_rad, yaw_rad, height_m.
+def read_attitude_csv(path: Path, given: Given = NOTHING_GIVEN) -> AttitudeLog:
+    """The attitude log in a table with the columns time_s, roll_rad, pitch_rad, yaw_rad, height_m.
 
-    Rows without an attitude are left out; yaw and height may be missing.
+    Rows without an attitude are left out; yaw and height may be missing. Other names, separators and units
+    are read where they are certain.
 
     Raises:
         InputError: missing, a column is missing, or no row has an attitude.
     """
-    rows = read_table(path, COLUMNS[:3])
-    times_s, roll, pitch, yaw, height = (column(path, rows, name) for name in (*COLUMNS, "height_m"))
-    angles = np.stack([roll, pitch, np.nan_to_num(yaw)], axis=-1)
-    good = np.isfinite(times_s) & np.isfinite(angles).all(axis=-1)
-    times_s, samples = by_time(times_s[good], np.column_stack([angles, np.nan_to_num(height)])[good])
-    if not len(times_s):
-        raise InputError(path, "holds no attitude", "check that its values are numbers")
-    quaternions = np.array([quaternion_from_rpy(*row) for row in samples[:, :3]])
-    heights = samples[:, 3]
-    return AttitudeLog(times_s, quaternions, heights if np.isfinite(height).any() else None)
+    rows = read_attitude_table(path, given)
+    heights = rows.heights_m if np.isfinite(rows.heights_m).any() else None
+    return AttitudeLog(rows.times_s, rows.quaternions, heights, rows.notes)

@@ -13,6 +13,8 @@ class Given:
         attitude: `--attitude`: a log's file, `constant:ROLL,PITCH` in degrees, or `from-images`.
         time_offset_s: `--time-offset`: is added to the times of the log to give those of the images.
         needs_attitude: a recording without any attitude is refused.
+        time_unit: `--time-unit`: s, ms, us or ns, of the clock in a table.
+        angle_unit: `--angle-unit`: rad or deg, of the angles in a table.
         topics: of a bag, `--topic`: which of several are meant.
     """
 
@@ -20,6 +22,8 @@ class Given:
     attitude: str | None = None
     time_offset_s: float = 0.0
     needs_attitude: bool = True
+    time_unit: str | None = None
+    angle_unit: str | None = None
     topics: tuple[str, ...] = ()
 
 

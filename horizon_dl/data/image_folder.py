@@ -1,14 +1,18 @@
 """Recordings whose images are files: headers with paths, read when asked for."""
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
+from horizon_dl.data.bit_depth import FULL, used_bits
 from horizon_dl.data.frame import FrameHeader, RangeImage
 from horizon_dl.data.images import MOST_PIXELS, load_rgb, load_truth, load_uint16, most_pixels
+from horizon_dl.data.orientation import orientation_of_file, upright
 from horizon_dl.data.source import MountRpy, Pixels, Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
@@ -45,32 +49,57 @@ class ImageLoader:
         rotate_quarter_turns_ccw: how a stored image is turned to be upright.
         range_unit: of all range images.
         most_pixels: of an image that is decoded.
+        bits: how many of 16 bits the pictures use; see `bit_depth`.
     """
 
     files: tuple[FrameFiles, ...]
     rotate_quarter_turns_ccw: int = 0
     range_unit: RangeUnit = RangeUnit()
     most_pixels: int = MOST_PIXELS
+    bits: int = FULL
 
     def __call__(self, index: int, with_truth: bool) -> Pixels:
         """See `Loader`."""
         files = self.files[index]
-        stored = load_rgb(files.image, self.most_pixels)
-        image = np.ascontiguousarray(np.rot90(stored, self.rotate_quarter_turns_ccw))
+        image = np.ascontiguousarray(
+            np.rot90(load_rgb(files.image, self.most_pixels, self.bits), self.rotate_quarter_turns_ccw)
+        )
         truth = load_truth(files.truth, image.shape[:2]) if with_truth and files.truth else None
-        ranges = self._ranges(files.ranges, stored.shape) if with_truth and files.ranges else None
+        ranges = self._ranges(files, image.shape) if with_truth and files.ranges else None
         return Pixels(image, truth, ranges)
 
-    def _ranges(self, path: Path, stored: tuple[int, ...]) -> RangeImage | None:
+    def _ranges(self, files: FrameFiles, upright_shape: tuple[int, ...]) -> RangeImage | None:
+        if files.ranges is None:
+            return None
         try:
-            counts = load_uint16(path)
+            metres = load_metres(files.ranges, self.range_unit.metres)
         except FrameError:
             return None
-        if lies_as(counts.shape, stored):
-            counts = np.rot90(counts, self.rotate_quarter_turns_ccw)
-        none = (counts == 0) | (counts == np.iinfo(np.uint16).max)
-        metres = np.where(none, np.nan, counts * np.float32(self.range_unit.metres))
-        return RangeImage(metres.astype(np.float32), self.range_unit.along)
+        orientation = orientation_of_file(files.image)
+        sideways = (orientation >= 5) != (self.rotate_quarter_turns_ccw % 2 == 1)
+        stored_shape = upright_shape[1::-1] if sideways else upright_shape[:2]
+        if lies_as(metres.shape, stored_shape):
+            metres = np.rot90(upright(metres, orientation), self.rotate_quarter_turns_ccw)
+        return RangeImage(np.ascontiguousarray(metres), self.range_unit.along)
+
+
+def load_metres(path: Path, metres_a_count: float) -> NDArray[np.float32]:
+    """(h, w) distances of a range image: 16-bit counts, or metres as floats in an .npy file; NaN for none.
+
+    Raises:
+        FrameError: it cannot be read.
+    """
+    if path.suffix == ".npy":
+        try:
+            metres = np.asarray(np.load(path, allow_pickle=False), np.float32)
+        except (OSError, ValueError, EOFError):
+            raise FrameError(path, "cannot be read as an array", "restore the file") from None
+        if metres.ndim != 2:
+            raise FrameError(path, f"has {metres.ndim} dimensions", "store one distance a pixel")
+        return np.where(np.isfinite(metres) & (metres > 0), metres, np.float32(np.nan))
+    counts = load_uint16(path)
+    none = (counts == 0) | (counts == np.iinfo(np.uint16).max)
+    return np.where(none, np.nan, counts * np.float32(metres_a_count)).astype(np.float32)
 
 
 def lies_as(shape: tuple[int, ...], stored: tuple[int, ...]) -> bool:
@@ -118,7 +147,11 @@ def image_recording(
     ordered = sorted(frames, key=lambda pair: pair[0].time_s)
     if not ordered:
         raise InputError(where, "holds no frames", "check that the images were copied")
-    headers = tuple(replace(header, labelled=files.truth is not None) for header, files in ordered)
+    names = unique_names([header.name for header, _ in ordered])
+    headers = tuple(
+        replace(header, name=name, labelled=files.truth is not None)
+        for name, (header, files) in zip(names, ordered, strict=True)
+    )
     files = tuple(files for _, files in ordered)
     if not any(one.image.is_file() for one in files):
         problem = f"none of the {len(files)} images is there, as {headers[0].name}"
@@ -126,5 +159,37 @@ def image_recording(
     if all(header.up_cam is None for header in headers):
         problem = f"no frame has an attitude from {attitude_from}"
         raise InputError(where, problem, "check that its values are numbers")
-    load = ImageLoader(files, rotate_quarter_turns_ccw, range_unit, most_pixels(camera))
-    return Recording(name, format, camera, headers, load, mount_rpy_rad, notes)
+    load, note = image_loader(files, rotate_quarter_turns_ccw, range_unit, most_pixels(camera))
+    return Recording(name, format, camera, headers, load, mount_rpy_rad, (*notes, *note))
+
+
+def image_loader(
+    files: tuple[FrameFiles, ...],
+    rotate_quarter_turns_ccw: int = 0,
+    range_unit: RangeUnit = RangeUnit(),
+    most: int = MOST_PIXELS,
+) -> tuple[ImageLoader, tuple[str, ...]]:
+    """The loader of some files, and a note where their pictures use some of 16 bits only."""
+    bits = used_bits([one.image for one in files])
+    note = () if bits == FULL else (f"the pictures use {bits} of their 16 bits, and are scaled by that",)
+    return ImageLoader(files, rotate_quarter_turns_ccw, range_unit, most, bits), note
+
+
+def unique_names(names: Sequence[str]) -> list[str]:
+    """The names, with a number behind those that were there before.
+
+    Example:
+        >>> unique_names(["a.png", "b.png", "a.png"])
+        ['a.png', 'b.png', 'a.png#2']
+    """
+    seen: Counter[str] = Counter()
+    taken, result = set(names), []
+    for name in names:
+        seen[name] += 1
+        unique = name if seen[name] == 1 else f"{name}#{seen[name]}"
+        while seen[name] > 1 and unique in taken:
+            seen[name] += 1
+            unique = f"{name}#{seen[name]}"
+        taken.add(unique)
+        result.append(unique)
+    return result

@@ -24,7 +24,8 @@ class Encode(nn.Module):
 
     def __init__(self, net: HorizonFCN, *, interleaved: bool) -> None:
         super().__init__()
-        self.encoder, self.neck = deepcopy(net.encoder), net.deep.neck
+        self.encoder = deepcopy(net.encoder)
+        self.necks = nn.ModuleList(head.neck for head in net.heads())
         self.interleaved, self.folded = interleaved, isinstance(net.encoder, SmallEncoder)
         if isinstance(self.encoder, SmallEncoder):
             layer = Interleaved if interleaved else Planar
@@ -35,8 +36,8 @@ class Encode(nn.Module):
         if not self.folded:
             planes = image.permute(0, 3, 1, 2) if self.interleaved else image
             image = normalised(planes / 255.0)
-        features: Tensor = self.neck(self.encoder(image)[-1])
-        return features
+        depths = self.encoder(image)
+        return torch.cat([neck(part) for neck, part in zip(self.necks, depths, strict=True)], dim=1)
 
 
 def folded_first_layer(encoder: SmallEncoder) -> tuple[Tensor, Tensor]:

@@ -1,7 +1,7 @@
 """Exporting a run folder: the file, its card and its parity figures."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from horizon_dl.export.parity import Learner, parity, sample_frames
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.output import write_json
 from horizon_dl.runtime.model import camera_from_card
+from horizon_dl.runtime.signature import Signer
 from horizon_dl.training.run_folder import Run
 from horizon_dl.training.train import evenly
 
@@ -30,18 +31,24 @@ class Exported:
     Attributes:
         graph: without card and seal.
         card: with its parity figures.
+        sign: gives its signature; None: it bears none.
     """
 
     graph: onnx.ModelProto
     card: dict[str, Any]
+    sign: Signer | None = None
 
     def with_card(self, **entries: Any) -> "Exported":
         """The same model with more in its card."""
-        return Exported(self.graph, {**self.card, **entries})
+        return replace(self, card={**self.card, **entries})
+
+    def signed(self, sign: Signer | None) -> "Exported":
+        """The same model, signed."""
+        return replace(self, sign=sign)
 
     def content(self) -> bytes:
         """The sealed file."""
-        return file_bytes(self.graph, self.card)
+        return file_bytes(self.graph, self.card, self.sign)
 
     def write(self, folder: Path, name: str = "model") -> Path:
         """Write `NAME.onnx`, and `card.json` and `parity.json` (with NAME in front unless it is `model`)."""

@@ -70,7 +70,7 @@ def write_int8(folder: Path, exported: Exported, data: Recording) -> list[str]:
     graph = quantised(exported.graph, frames)
     figures = _compare(exported, graph, frames, data)
     card = {**exported.card, "int8": figures, "parity": None, "measured": figures["measured"]}
-    (folder / f"{NAME}.onnx").write_bytes(file_bytes(graph, card))
+    (folder / f"{NAME}.onnx").write_bytes(file_bytes(graph, card, exported.sign))
     return verdict(figures)
 
 

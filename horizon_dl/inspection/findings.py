@@ -11,9 +11,9 @@ FEW_FRAMES, TOO_FEW_FRAMES = 50, 5
 Rule = Callable[[DataCheck], Iterator[Finding]]
 
 
-def with_findings(check: DataCheck) -> DataCheck:
-    """The check with its findings, problems first, and its verdict."""
-    found = [finding for rule in RULES for finding in rule(check)]
+def with_findings(check: DataCheck, rules: "tuple[Rule, ...] | None" = None) -> DataCheck:
+    """The check with its findings by some rules, else all, problems first, and its verdict."""
+    found = [finding for rule in rules or RULES for finding in rule(check)]
     order = {"problem": 0, "warning": 1, "ok": 2}
     found.sort(key=lambda finding: (order[finding.level], not finding.reason))
     level, verdict = verdict_of(found)
@@ -310,3 +310,16 @@ RULES: tuple[Rule, ...] = (
     _truth,
     _notes,
 )
+QUICK_RULES: tuple[Rule, ...] = (
+    _counts,
+    _missing_attitudes,
+    _unreadable,
+    _horizon,
+    _balance,
+    _attitude,
+    _travel,
+    _times,
+    _exposure,
+    _rays,
+)
+"""Those that need no pairs of images."""

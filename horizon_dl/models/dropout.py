@@ -29,7 +29,7 @@ def sample_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> Map:
 def single_pass_p_above(net: HorizonFCN, image: NDArray[np.uint8]) -> Map:
     """`p_above` of one image without dropout, (1, h, w) in [0, 1]."""
     net.eval()
-    return _probabilities(net.deep.classifier(net.encode(image_tensor(image))), image.shape[:2])
+    return _probabilities(net.judge(net.encode(image_tensor(image))), image.shape[:2])
 
 
 @torch.inference_mode()

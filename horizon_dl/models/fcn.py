@@ -1,6 +1,7 @@
 """The small fully convolutional net."""
 
 from collections.abc import Sequence
+from typing import cast
 
 import torch
 from torch import Tensor, nn
@@ -27,18 +28,20 @@ class Head(nn.Module):
 class HorizonFCN(nn.Module):
     """Probability (as a logit) that a pixel's appearance belongs above the horizon.
 
-    Every tapped depth of the encoder has a head. The deepest one predicts. The others see less around a
-    pixel; they are trained beside it, and the mean over all depths guides the targets of later rounds: what
-    sees much tells the foot of a wall from its top and is sure about both, what sees little cannot.
+    Every tapped depth of the encoder has a head, each with a loss of its own. The prediction is the mean of
+    their logits: what sees much tells shade from a wall, but also the foot of a wall from its top, and is
+    sure about both; what sees little cannot. The mean of their probabilities guides the targets of later
+    rounds.
 
-    Dropout sits before the last layer alone, so the samples of the output cost one 1x1 convolution
-    (`sample_logits`). Their masks are drawn once, when the net is made, and kept with its weights: whoever
-    runs the net, in whatever runtime, gets the same numbers.
+    Dropout sits before the last layer alone, and a mean of linear layers is one linear layer of all their
+    inputs, so the samples of the output cost one 1x1 convolution (`sample_logits`). Their masks are drawn
+    once, when the net is made, and kept with its weights: whoever runs the net, in whatever runtime, gets the
+    same numbers.
 
     Args:
         encoder: module from (N, 3, h, w) normalised RGB to features at the tapped depths, all of one size.
         channels: of the features at each depth.
-        width: features each head judges by.
+        width: number of features that each head judges by.
         dropout: rate, in [0, 1).
         samples: number of fixed masks.
     """
@@ -52,18 +55,32 @@ class HorizonFCN(nn.Module):
         self.encoder = encoder
         self.shallow = nn.ModuleList(Head(count, width, dropout) for count in channels[:-1])
         self.deep = Head(channels[-1], width, dropout)
-        self.register_buffer("masks", balanced_masks(samples, width, dropout))
+        self.register_buffer("masks", balanced_masks(samples, width * len(channels), dropout))
 
     def forward(self, image: Tensor) -> Tensor:
         """Logits (N, depths, h / s, w / s) of (N, 3, h, w) RGB in [0, 1], the deepest last."""
         features = self.encoder(normalised(image))
-        heads = [*self.shallow, self.deep]
-        return torch.cat([head(part) for head, part in zip(heads, features, strict=True)], dim=1)
+        return torch.cat([head(part) for head, part in zip(self.heads(), features, strict=True)], dim=1)
+
+    def heads(self) -> list[Head]:
+        """Those of all depths, the deepest last."""
+        return [cast(Head, head) for head in (*self.shallow, self.deep)]
 
     def encode(self, image: Tensor) -> Tensor:
-        """What the deepest head judges by, (N, width, h / s, w / s), of (N, 3, h, w) RGB in [0, 1]."""
-        features: Tensor = self.deep.neck(self.encoder(normalised(image))[-1])
-        return features
+        """What all heads judge by, (N, features, h / s, w / s), of (N, 3, h, w) RGB in [0, 1]."""
+        depths = self.encoder(normalised(image))
+        return torch.cat([head.neck(part) for head, part in zip(self.heads(), depths, strict=True)], dim=1)
+
+    def judge(self, features: Tensor) -> Tensor:
+        """The logit (N, 1, h / s, w / s) of encoded features, without dropout."""
+        return F.conv2d(features, *self.last_layer())
+
+    def last_layer(self) -> tuple[Tensor, Tensor]:
+        """Weight (1, features, 1, 1) and bias (1,) of the mean of all heads' classifiers."""
+        classifiers = [head.classifier for head in self.heads()]
+        weight = torch.cat([classifier.weight for classifier in classifiers], dim=1) / len(classifiers)
+        bias = torch.stack([cast(Tensor, classifier.bias) for classifier in classifiers]).mean(dim=0)
+        return weight, bias
 
     def sample_logits(self, features: Tensor) -> Tensor:
         """Logits (N, masks, h / s, w / s) of encoded features, one channel a mask."""
@@ -72,9 +89,8 @@ class HorizonFCN(nn.Module):
 
     def sample_weights(self) -> tuple[Tensor, Tensor]:
         """Weight (masks, width, 1, 1) and bias (masks,) of the convolution that samples."""
-        assert self.deep.classifier.bias is not None
-        weight = self.masks[:, :, None, None] * self.deep.classifier.weight
-        return weight, self.deep.classifier.bias.expand(len(weight))
+        weight, bias = self.last_layer()
+        return self.masks[:, :, None, None] * weight, bias.expand(len(self.masks))
 
 
 def normalised(image: Tensor) -> Tensor:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from horizon_dl.errors import InputError
 from horizon_dl.runtime.acceptance import not_airworthy
 from horizon_dl.runtime.model import ObstacleModel, Outputs
+from horizon_dl.runtime.signature import Verifier
 
 Stamp = tuple[int, int, int]
 
@@ -31,20 +32,27 @@ class FollowedModel:
         problem: of the last file refused.
     """
 
-    def __init__(self, model: ObstacleModel, path: Path, threads: int, as_loaded: Stamp | None) -> None:
+    def __init__(
+        self,
+        model: ObstacleModel,
+        path: Path,
+        threads: int,
+        as_loaded: Stamp | None,
+        trusted: Verifier | None = None,
+    ) -> None:
         self.taken_over = self.refused = 0
         self.problem: str | None = None
-        self._path, self._threads = path, threads
+        self._path, self._threads, self._trusted = path, threads, trusted
         self._take(model)
         self._stamp = as_loaded
         self._loader: threading.Thread | None = None
         self._fresh: ObstacleModel | None = None
 
     @classmethod
-    def load(cls, path: str | Path, threads: int = 1) -> "FollowedModel":
+    def load(cls, path: str | Path, threads: int = 1, trusted: Verifier | None = None) -> "FollowedModel":
         """As `ObstacleModel.load`."""
         as_loaded = stamp(Path(path))  # before it is read: a file that comes meanwhile is a fresh one
-        return cls(ObstacleModel.load(path, threads), Path(path), threads, as_loaded)
+        return cls(ObstacleModel.load(path, threads, trusted), Path(path), threads, as_loaded, trusted)
 
     def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Outputs:
         """Maps of one frame by the newest file that fits; see `ObstacleModel.predict`."""
@@ -76,7 +84,7 @@ class FollowedModel:
 
     def _load(self) -> None:
         try:
-            fresh = ObstacleModel.load(self._path, self._threads)
+            fresh = ObstacleModel.load(self._path, self._threads, self._trusted)
             problem = not_airworthy(fresh)
             if problem is not None:
                 raise InputError(self._path, problem, "the old one flies on")

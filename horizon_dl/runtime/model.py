@@ -13,6 +13,7 @@ from horizon_dl.errors import InputError, shortened
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.acceptance import checked_place, checked_size, checked_threshold, smoke_test
 from horizon_dl.runtime.checksum import read_sealed
+from horizon_dl.runtime.signature import Verifier
 
 INPUTS = ("image", "up_cam")
 OUTPUTS = (
@@ -79,16 +80,21 @@ class ObstacleModel:
         self.threshold = checked_threshold(card)
 
     @classmethod
-    def load(cls, path: str | Path, threads: int = 1) -> "ObstacleModel":
+    def load(cls, path: str | Path, threads: int = 1, trusted: Verifier | None = None) -> "ObstacleModel":
         """Check a file's seal, make it ready and try it on made-up pictures.
 
         Nothing in it is executed but its ONNX operators.
+
+        Args:
+            path: of the file.
+            threads: within an operator.
+            trusted: whose signature the file has to bear; see `read_verifier`.
 
         Raises:
             InputError: no such file, another kind of file, cut off, altered, or without its card.
         """
         path = Path(path)
-        content, sha256 = read_sealed(path)
+        content, sha256 = read_sealed(path, trusted)
         try:
             session = new_session(content, threads)
             card = json.loads(session.get_modelmeta().custom_metadata_map[CARD_KEY])

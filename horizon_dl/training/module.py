@@ -166,5 +166,6 @@ class CropStream(IterableDataset[Batch]):
             }
             self._before.pop(self._drawn - DRAWN_AHEAD, None)
             self._drawn += 1
-            everything = draw_batch(self._pool.draw(size * count), self._config.crop, self._rng)
+            frames = self._pool.draw(size * count)
+            everything = draw_batch(frames, self._config.crop, self._rng, self._config.pastes)
             yield Batch(*(part[own] for part in everything))

@@ -21,13 +21,14 @@ from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.models.build import build_net
-from horizon_dl.models.dropout import p_above_of_all_depths, sample_p_above
+from horizon_dl.models.dropout import sample_p_above
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.quiet import quiet_logger
-from horizon_dl.training.crops import TrainingFrame, training_frame
+from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evidence import EVIDENCE_FRAMES, evidence_card
 from horizon_dl.training.frame_store import FramePool, FrameStore
+from horizon_dl.training.half_resolution import half_resolution_frame
 from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
 from horizon_dl.training.run_folder import Run
@@ -142,6 +143,17 @@ def _train_round(
     return cast(HorizonFCN, module.average.module).cpu().eval()
 
 
+def _frame_maker(
+    config: Config, guide: HorizonFCN | None, keeper: TrainingKeeper | None
+) -> Callable[[View], TrainingFrame]:
+    def make(view: View) -> TrainingFrame:
+        if keeper is not None:
+            keeper.check_stop()  # what was learned stands in the last checkpoint
+        return half_resolution_frame(view, config, guide)
+
+    return make
+
+
 def _between_rounds(number: int, net: HorizonFCN, rng: np.random.Generator, store: FrameStore) -> RoundState:
     """What a round begins with."""
     tensors = {f"net.{name}": tensor for name, tensor in net.state_dict().items()}
@@ -156,19 +168,6 @@ def _restore(found: RoundState, net: HorizonFCN, rng: np.random.Generator, store
     torch.set_rng_state(found.tensors["dropout"])
     store.restore(found.values["tally"])
     net.eval()
-
-
-def _frame_maker(
-    config: Config, guide: HorizonFCN | None, keeper: TrainingKeeper | None
-) -> Callable[[View], TrainingFrame]:
-    def make(view: View) -> TrainingFrame:
-        if keeper is not None:
-            keeper.check_stop()  # what was learned stands in the last checkpoint
-        return training_frame(
-            view, config, None if guide is None else p_above_of_all_depths(guide, view.image)
-        )
-
-    return make
 
 
 def _trainer(

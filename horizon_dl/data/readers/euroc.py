@@ -1,81 +1,84 @@
-"""EuRoC (ASL folders): grey images of cam0, attitude from the ground truth, else from the IMU.
+"""EuRoC (ASL folders), TUM-VI and others of that layout: attitude from a ground truth, else from the IMU.
 
-Burri et al., The EuRoC micro aerial vehicle datasets, IJRR 2016. DATA is the sequence or its `mav0`.
+Burri et al., The EuRoC micro aerial vehicle datasets, IJRR 2016; Schubert et al., The TUM VI benchmark, 2018.
+DATA is the sequence, its `mav0`, or one camera's folder (`cam1`); without, the first camera.
 """
 
+import re
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.calibration.calibration import Fields, load_yaml
-from horizon_dl.data.calibration.calibration_kinds import body_from_camera, euroc_sensor
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.imu import estimate_up
+from horizon_dl.data.readers.beside import files_beside
+from horizon_dl.data.readers.euroc_camera import read_euroc_camera
+from horizon_dl.data.readers.euroc_poses import NANOSECOND, find_poses, read_ups
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
-    beside,
     by_time,
     check_overlap,
+    images_in,
     inside_folder,
     read_lines,
     read_numbers,
     relative_name,
-    usable_quaternions,
     whole_number,
 )
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import bracket, interpolate, rotation_from_quaternion, unit
+from horizon_dl.geometry.attitude import bracket, unit
 
 Floats = NDArray[np.float64]
 
 NAME = "euroc"
-NEEDS = "mav0/cam0 (data, data.csv, sensor.yaml) and mav0/state_groundtruth_estimate0 or mav0/imu0"
-NANOSECOND = 1e-9
 MOST_IMU = 1e4
 """rad/s and m/s^2: no IMU measures more."""
-UP_WORLD = np.array([0.0, 0.0, 1.0])
+
+NEEDS = "mav0 with cam0, and imu0 or a ground truth"
 
 
 def recognises(folder: Path) -> bool:
     """Whether the folder looks like this format."""
-    return _root(folder) is not None
+    return _place(folder) is not None
 
 
-def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
+def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     """Opens one sequence.
 
     Raises:
         InputError: a file or field is missing, or attitude and images never meet in time.
     """
-    root = _root(folder)
-    if root is None:
+    place = _place(folder)
+    if place is None:
         raise InputError(folder, "holds no EuRoC sequence", f"needed: {NEEDS}")
-    sensor = root / "cam0" / "sensor.yaml"
-    fields = Fields(sensor, load_yaml(sensor))
-    camera = euroc_sensor(fields).camera
-    cam_from_body = body_from_camera(fields).T
-    images = read_images(root / "cam0" / "data.csv")
+    root, cam = place
+    images = list_images(cam)
     image_times = np.array([stamp * NANOSECOND for stamp, _ in images])
     source, up_body, note = up_in_body(root, image_times)
+    known = [up for up in up_body if up is not None]
+    camera = read_euroc_camera(root, cam, np.array(known).reshape(-1, 3), given)
+    paths = [path for _, path in images]
+    names = [relative_name(path, root) for path in paths]
+    labels = root if (root / "labels").is_dir() else root.parent
+    truths = files_beside(labels, "labels", names)
     frames = []
-    for (stamp, name), up in zip(images, up_body, strict=True):
-        path = inside_folder(root / "cam0" / "data.csv", root / "cam0" / "data", name)
-        up_cam = None if up is None else unit(cam_from_body @ up)
-        header = FrameHeader(relative_name(path, folder), stamp * NANOSECOND, up_cam)
-        labels = beside(root, "labels", path.stem) or beside(root.parent, "labels", path.stem)
-        frames.append((header, FrameFiles(path, labels)))
+    for index, up in enumerate(up_body):
+        up_cam = None if up is None else unit(camera.cam_from_body @ up)
+        header = FrameHeader(names[index], float(image_times[index]), up_cam)
+        frames.append((header, FrameFiles(paths[index], truths[index])))
+    home = root.resolve()
     return image_recording(
-        root.resolve().parent.name,
+        home.parent.name if home.name == "mav0" else home.name,
         NAME,
-        camera,
+        camera.camera,
         frames,
         where=source,
         attitude_from=source.parent.name,
-        notes=(note,) if note else (),
+        notes=tuple(one for one in (note, camera.note) if one),
     )
 
 
@@ -85,17 +88,11 @@ def up_in_body(root: Path, image_times_s: Floats) -> tuple[Path, list[Floats | N
     Raises:
         InputError: neither ground truth nor IMU, or their times never meet the images'.
     """
-    truth, imu = root / "state_groundtruth_estimate0" / "data.csv", root / "imu0" / "data.csv"
-    if truth.is_file():
-        samples = read_numbers(truth, 8)
-        samples = samples[usable_quaternions(samples[:, 4:8])]
-        times, quaternions = by_time(samples[:, 0] * NANOSECOND, samples[:, 4:8])
-        check_overlap(truth, image_times_s, times)
-        attitudes = (interpolate(times, quaternions, t, MAX_GAP_S) for t in image_times_s.tolist())
-        ups = [None if q is None else rotation_from_quaternion(q).T @ UP_WORLD for q in attitudes]
-        return truth, ups, ""
+    poses, imu = find_poses(root), root / "imu0" / "data.csv"
+    if poses is not None:
+        return poses, read_ups(poses, image_times_s), ""
     if not imu.is_file():
-        raise InputError(root, "has neither state_groundtruth_estimate0 nor imu0", "copy one of them")
+        raise InputError(root, "has neither state_groundtruth_estimate0, mocap0 nor imu0", "copy one of them")
     samples = read_numbers(imu, 7)
     possible = (np.abs(samples[:, 1:7]) < MOST_IMU).all(axis=-1)
     times, rates = by_time(samples[possible, 0] * NANOSECOND, samples[possible, 1:7])
@@ -105,23 +102,30 @@ def up_in_body(root: Path, image_times_s: Floats) -> tuple[Path, list[Floats | N
     return imu, ups, "no ground truth: the attitude is estimated from the IMU"
 
 
-def read_images(path: Path) -> list[tuple[int, str]]:
-    """Times (ns) and names of the camera's data.csv.
+def list_images(cam: Path) -> list[tuple[int, Path]]:
+    """Times (ns) and files of a camera's `data.csv`; without it, the files that are named by their time.
 
     Raises:
-        InputError: missing, or a line is not `time,name`.
+        InputError: a line is not `time,name`.
     """
-    pairs = []
+    path = cam / "data.csv"
+    if not path.is_file():
+        numbered = ((whole_number(image.stem), image) for image in images_in(cam / "data"))
+        return [(number, image) for number, image in numbered if number is not None]
+    pairs: list[tuple[int, Path]] = []
     for line in read_lines(path):
         if line.lstrip().startswith("#"):
             continue
-        stamp, _, name = (part.strip() for part in line.partition(","))
+        stamp, *rest = re.split(r"[,;\s]+", line.strip(), maxsplit=1)
+        name = rest[0].strip(" ,;") if rest else ""
         number = whole_number(stamp)
         if number is None or not name:
+            if not pairs and not re.match(r"[\d.+-]", stamp):
+                continue  # a header without its sign
             raise InputError(
                 path, f"holds the line {line.strip()[:40]!r}", "lines are 'nanoseconds,filename'"
             )
-        pairs.append((number, name))
+        pairs.append((number, inside_folder(path, cam / "data", name)))
     return pairs
 
 
@@ -135,6 +139,18 @@ def _up_at(times_s: Floats, ups: Floats, time_s: float) -> Floats | None:
     return unit(up) if np.linalg.norm(up) > 0.5 else None  # an IMU that gives zeros only has no up
 
 
-def _root(folder: Path) -> Path | None:
-    places = (folder / "mav0", folder)
-    return next((place for place in places if (place / "cam0" / "data.csv").is_file()), None)
+def _place(folder: Path) -> tuple[Path, Path] | None:
+    """The folder of all sensors, and that of the camera."""
+    absolute = folder.absolute()
+    if re.fullmatch(r"cam\d", absolute.name) and _is_camera(absolute):
+        return absolute.parent, absolute
+    for root in (folder / "mav0", folder):
+        cameras = sorted(root.glob("cam[0-9]")) if root.is_dir() else []
+        found = next((cam for cam in cameras if _is_camera(cam)), None)
+        if found is not None:
+            return root, found
+    return None
+
+
+def _is_camera(cam: Path) -> bool:
+    return (cam / "data").is_dir() and ((cam / "data.csv").is_file() or bool(images_in(cam / "data")))

@@ -6,13 +6,14 @@ from horizon_dl.data.attitude_log import ConstantAttitude, read_attitude
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
-from horizon_dl.data.image_folder import FrameFiles, ImageLoader, image_recording
-from horizon_dl.data.readers.parsing import IMAGE_SUFFIXES, images_in
+from horizon_dl.data.image_folder import FrameFiles, image_loader, image_recording
+from horizon_dl.data.readers.parsing import IMAGE_SUFFIXES, images_in, natural, relative_name
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 
 NAME = "pictures"
 NEEDS = "images (predict alone: nothing is known of their attitude)"
+NO_PICTURES = {"labels", "depth", "range", "masks", "__MACOSX"}
 
 
 def recognises(path: Path) -> bool:
@@ -26,7 +27,7 @@ def read(path: Path, given: Given) -> Recording:
     Raises:
         InputError: an attitude is needed, and pictures have none.
     """
-    constant = None if given.attitude is None else read_attitude(given.attitude)
+    constant = None if given.attitude is None else read_attitude(given.attitude, given)
     if isinstance(constant, ConstantAttitude) and given.camera is not None:
         return _with_attitude(path, constant, read_calibration(given.camera))
     if given.needs_attitude:
@@ -36,20 +37,20 @@ def read(path: Path, given: Given) -> Recording:
             "add frames.csv and camera.yaml, or give --camera and --attitude constant:ROLL,PITCH",
         )
     paths = picture_paths(path)
-    headers = [FrameHeader(one.name, float(index)) for index, one in enumerate(paths)]
-    files = tuple(FrameFiles(one) for one in paths)
-    return Recording(path.resolve().name, NAME, None, headers, ImageLoader(files))
+    headers = [FrameHeader(name, float(index)) for index, name in enumerate(_names(path, paths))]
+    load, notes = image_loader(tuple(FrameFiles(one) for one in paths))
+    return Recording(path.resolve().name, NAME, None, headers, load, notes=notes)
 
 
 def _with_attitude(path: Path, attitude: ConstantAttitude, calibration: Calibration) -> Recording:
-    mount = calibration.mount_rpy_rad
+    mount, paths = calibration.mount_rpy_rad, picture_paths(path)
     return image_recording(
         path.resolve().name,
         NAME,
         calibration.camera,
         [
-            (attitude.header(one.name, float(index), mount), FrameFiles(one))
-            for index, one in enumerate(picture_paths(path))
+            (attitude.header(name, float(index), mount), FrameFiles(one))
+            for index, (name, one) in enumerate(zip(_names(path, paths), paths, strict=True))
         ],
         where=path,
         attitude_from="--attitude",
@@ -59,7 +60,20 @@ def _with_attitude(path: Path, attitude: ConstantAttitude, calibration: Calibrat
 
 
 def picture_paths(path: Path) -> list[Path]:
-    """The images of a folder by name, or the one image that `path` is; empty where there is none."""
+    """The images of a folder by name, else of the folders in it; or the one image that `path` is."""
     if path.is_file():
         return [path] if path.suffix.lower() in IMAGE_SUFFIXES else []
-    return images_in(path)
+    direct = images_in(path)
+    if direct or not path.is_dir():
+        return direct
+    folders = sorted((p for p in path.iterdir() if p.is_dir() and p.name not in NO_PICTURES), key=_by_name)
+    return [image for folder in folders for image in images_in(folder)]
+
+
+def _by_name(path: Path) -> list[tuple[int, str]]:
+    return natural(path.name)
+
+
+def _names(path: Path, paths: list[Path]) -> list[str]:
+    """Of the pictures: their paths within the folder."""
+    return [one.name if path.is_file() else relative_name(one, path) for one in paths]

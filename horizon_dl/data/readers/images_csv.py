@@ -1,73 +1,111 @@
 """Images + CSV, the format to bring own data in: `frames.csv`, `camera.yaml`, images; also labels and depth.
 
-frames.csv has the columns image, time_s, roll_rad, pitch_rad and, if known, yaw_rad and height_m. The
-attitude is the body's (FRD in NED); a blank or NaN attitude means that the frame has none.
+frames.csv has the columns image, time_s, roll_rad, pitch_rad (or a quaternion qw, qx, qy, qz) and, if known,
+yaw_rad and height_m. The attitude is the body's (FRD in NED); a blank or NaN attitude means that the frame
+has none. A table of another name, or with other names of columns, is taken if it is the only one that fits.
 """
 
 import math
-from collections import Counter
 from pathlib import Path
 
-from horizon_dl.data.calibration.calibration import read_calibration
+import numpy as np
+
+from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude, read_attitude
+from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
-from horizon_dl.data.readers.parsing import MOST_HEIGHT_M, column, inside_folder, label_beside, read_table
+from horizon_dl.data.readers.beside import files_beside
+from horizon_dl.data.readers.frames_table import frames_table, image_paths
+from horizon_dl.data.readers.parsing import MOST_HEIGHT_M, check_overlap, relative_name
 from horizon_dl.data.source import Recording
+from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
+from horizon_dl.data.tables.columns import Column, find_columns, require
+from horizon_dl.data.tables.table import Table, read_table
+from horizon_dl.data.tables.units import CAMERA_STEPS
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
+from horizon_dl.geometry.attitude import up_in_camera
 
 NAME = "images_csv"
-NEEDS = "frames.csv (image,time_s,roll_rad,pitch_rad,...) and camera.yaml"
-REQUIRED = ("image", "time_s", "roll_rad", "pitch_rad")
+NEEDS = "frames.csv (image,time_s,roll_rad,pitch_rad) and camera.yaml"
 
 
 def recognises(folder: Path) -> bool:
     """Whether the folder looks like this format."""
-    return (folder / "frames.csv").is_file()
+    return frames_table(folder) is not None
 
 
-def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
-    """Opens the set.
+def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
+    """Opens the set; --camera and --attitude count for more than what lies in the folder.
 
     Raises:
         InputError: a file, column or field is missing or wrong, or no frame has an attitude.
     """
-    table = folder / "frames.csv"
-    rows = read_table(table, REQUIRED)
-    calibration = read_calibration(folder / "camera.yaml")
-    times = column(table, rows, "time_s")
-    roll, pitch, yaw, height = (
-        column(table, rows, name) for name in ("roll_rad", "pitch_rad", "yaw_rad", "height_m")
-    )
-    # An image that is named twice, with two times, has one label.
-    stems = Counter(Path(name).stem for name in {row.get("image") or "" for row in rows})
-    frames = []
-    for index, row in enumerate(rows):
-        if not row.get("image") or not math.isfinite(times[index]):
-            raise InputError(table, f"row {index + 1} has no image or no time", "complete or remove the row")
-        path = inside_folder(table, folder, row["image"])
-        # The heading does not move the horizon: without it, zero serves.
-        angles = (roll[index], pitch[index], yaw[index] if math.isfinite(yaw[index]) else 0.0)
-        up_cam = None
-        if math.isfinite(sum(angles)):
-            up_cam = up_in_camera(quaternion_from_rpy(*angles), calibration.mount_rpy_rad)
-        header = FrameHeader(
-            name=row["image"],
-            time_s=float(times[index]),
-            up_cam=up_cam,
-            yaw_rad=float(yaw[index]) if math.isfinite(yaw[index]) else None,
-            height_m=float(height[index]) if abs(height[index]) < MOST_HEIGHT_M else None,
-        )
-        truth, depth = (label_beside(folder, kind, row["image"], stems) for kind in ("labels", "depth"))
-        frames.append((header, FrameFiles(path, truth, depth)))
+    path = frames_table(folder) or folder / "frames.csv"
+    table = read_table(path)
+    columns = find_columns(table)
+    require(table, columns, ("image", "time"))
+    calibration = read_calibration(given.camera or folder / "camera.yaml")
+    times, notes = read_times(table, columns, given, CAMERA_STEPS)
+    cells = table.texts(columns["image"].name)
+    for index, cell in enumerate(cells):
+        if not cell or not math.isfinite(times[index]):
+            raise InputError(path, f"row {index + 1} has no image or no time", "complete or remove the row")
+    images = image_paths(path, cells)
+    names = [relative_name(image, folder) for image in images]
+    headers, more_notes = _headers(table, columns, names, times.tolist(), calibration, given)
+    truths, depths = (files_beside(folder, kind, names) for kind in ("labels", "depth"))
+    files = [FrameFiles(*one) for one in zip(images, truths, depths, strict=True)]
     return image_recording(
         folder.resolve().name,
         NAME,
         calibration.camera,
-        frames,
-        where=table,
-        attitude_from="the columns roll_rad and pitch_rad",
+        zip(headers, files, strict=True),
+        where=path,
+        attitude_from=given.attitude or "the columns roll_rad and pitch_rad",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         mount_rpy_rad=calibration.mount_rpy_rad,
+        notes=(*notes, *more_notes),
     )
+
+
+def _headers(
+    table: Table,
+    columns: dict[str, Column],
+    names: list[str],
+    times_s: list[float],
+    calibration: Calibration,
+    given: Given,
+) -> tuple[list[FrameHeader], tuple[str, ...]]:
+    """What is known of the frames, and notes."""
+    mount = calibration.mount_rpy_rad
+    log = None if given.attitude is None else read_attitude(given.attitude, given)
+    if isinstance(log, ConstantAttitude):
+        return [log.header(name, time_s, mount) for name, time_s in zip(names, times_s, strict=True)], ()
+    if log is not None:
+        return _headers_by_log(log, names, times_s, mount, given)
+    rows = read_attitudes(table, columns, given)
+    headers = [
+        FrameHeader(
+            name,
+            times_s[index],
+            up_in_camera(attitude, mount) if np.isfinite(attitude).all() else None,
+            _known(rows.yaws_rad[index]),
+            _known(rows.heights_m[index]),
+        )
+        for index, (name, attitude) in enumerate(zip(names, rows.quaternions, strict=True))
+    ]
+    return headers, rows.notes
+
+
+def _headers_by_log(
+    log: AttitudeLog, names: list[str], times_s: list[float], mount: tuple[float, float, float], given: Given
+) -> tuple[list[FrameHeader], tuple[str, ...]]:
+    offset_s = given.time_offset_s
+    check_overlap(Path(given.attitude or ""), np.array(times_s) - offset_s, log.times_s)
+    pairs = zip(names, times_s, strict=True)
+    return [log.header(name, time_s, mount, offset_s) for name, time_s in pairs], log.notes
+
+
+def _known(value: float) -> float | None:
+    return float(value) if abs(value) < MOST_HEIGHT_M else None

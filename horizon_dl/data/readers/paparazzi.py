@@ -16,14 +16,15 @@ from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
+from horizon_dl.data.readers.beside import files_beside
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
-    beside,
     check_overlap,
     column,
     images_in,
     read_lines,
     read_table,
+    require_columns,
     usable_quaternions,
     whole_number,
 )
@@ -34,9 +35,7 @@ from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy, up_in
 Floats = NDArray[np.float64]
 
 NAME = "paparazzi"
-NEEDS = (
-    "a folder of images named in microseconds, a CSV with time, att_phi, att_theta, att_psi, and camera.yaml"
-)
+NEEDS = "images named in microseconds, the logger's CSV, camera.yaml"
 ANGLES = ("att_phi", "att_theta", "att_psi")
 QUATERNION = ("att_qi", "att_qx", "att_qy", "att_qz")
 IN_FLIGHT_M = 0.3
@@ -55,7 +54,7 @@ def flights_in(folder: Path) -> list[tuple[Path, Path]]:
     return [(place, log) for place, log in pairs if log is not None and _images(place)]
 
 
-def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
+def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     """Opens one flight; frames on the ground are left out.
 
     Raises:
@@ -65,29 +64,30 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     if not flights:
         raise InputError(folder, "holds no paparazzi flight", f"needed: {NEEDS}")
     if len(flights) > 1:
-        names = ", ".join(place.name for place, _ in flights)
-        raise InputError(folder, f"holds {len(flights)} flights: {names}", "give the folder of one of them")
+        listed = ", ".join(place.name for place, _ in flights)
+        raise InputError(folder, f"holds {len(flights)} flights: {listed}", "give the folder of one of them")
     place, log = flights[0]
-    calibration = read_calibration(_near(place, "camera.yaml"))
+    calibration = read_calibration(given.camera or _near(place, "camera.yaml"))
     images = _images(place)
     image_times = np.array([int(path.stem) * 1e-6 for path in images])
     times, quaternions, heights, flying = read_log(log)
     check_overlap(log, image_times, times)
-    labels = _near(place, "labels").parent
+    names = [f"{place.name}/{path.name}" for path in images]
+    truths = files_beside(_near(place, "labels").parent, "labels", names)
     frames = []
-    for path, time_s in zip(images, image_times.tolist(), strict=True):
+    for path, name, truth, time_s in zip(images, names, truths, image_times.tolist(), strict=True):
         height = float(np.interp(time_s, times, heights))
         if np.interp(time_s, times, flying) < 0.5 or (math.isfinite(height) and height <= IN_FLIGHT_M):
             continue
         attitude = interpolate(times, quaternions, time_s, MAX_GAP_S)
         header = FrameHeader(
-            name=f"{place.name}/{path.name}",
+            name=name,
             time_s=time_s,
             up_cam=None if attitude is None else up_in_camera(attitude, calibration.mount_rpy_rad),
             yaw_rad=None if attitude is None else yaw_of(attitude),
             height_m=height if math.isfinite(height) else None,
         )
-        frames.append((header, FrameFiles(path, beside(labels, "labels", path.stem))))
+        frames.append((header, FrameFiles(path, truth)))
     left_out = len(images) - len(frames)
     if not frames:
         raise InputError(log, f"all {left_out} images were taken on the ground", "give a log of a flight")
@@ -110,9 +110,9 @@ def read_log(log: Path) -> tuple[Floats, Floats, Floats, Floats]:
     Raises:
         InputError: a column is missing or a cell is not a number.
     """
-    header = read_lines(log)[0]
-    has_quaternion = all(name in header for name in QUATERNION)
-    rows = read_table(log, ("time", *(QUATERNION if has_quaternion else ANGLES)))
+    rows = read_table(log, ("time",))
+    has_quaternion = all(name in rows[0] for name in QUATERNION)
+    require_columns(log, rows[0], QUATERNION if has_quaternion else ANGLES)
     times = column(log, rows, "time")
     attitude = np.stack(
         [column(log, rows, name) for name in (QUATERNION if has_quaternion else ANGLES)], axis=-1
@@ -140,7 +140,15 @@ def _log_of(place: Path) -> Path | None:
     """The CSV with an attitude that belongs to a folder of images: beside it under its name, or inside it."""
     beside_it = place.parent / f"{place.name}.csv"
     candidates = [beside_it, *sorted(place.glob("*.csv"))]
-    return next((path for path in candidates if path.is_file()), None)
+    return next((path for path in candidates if path.is_file() and _has_time(path)), None)
+
+
+def _has_time(path: Path) -> bool:
+    """Whether a table's header has a column `time`, as the file logger's has."""
+    try:
+        return "time" in (cell.strip().lower() for cell in read_lines(path)[0].split(","))
+    except (InputError, IndexError):
+        return False
 
 
 def _near(place: Path, name: str) -> Path:

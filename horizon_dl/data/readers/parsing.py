@@ -1,23 +1,22 @@
-"""Small helpers that the readers share: tables, images of a folder, labels beside them."""
+"""Small helpers that the readers share: rows of numbers, images of a folder, times that have to meet."""
 
-import csv
-import math
 import os
 import re
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.regular_file import read_regular
+from horizon_dl.data.tables import table as tables
+from horizon_dl.data.tables.text import read_lines as read_lines
 from horizon_dl.errors import InputError
 
 Floats = NDArray[np.float64]
 
 LONGEST_NAME = 255
 """Bytes; longer ones are an error of the system when they are looked for."""
+
 MOST_DIGITS = 19
 MOST_HEIGHT_M = 1e5
 """Nothing flies higher: a larger number is none."""
@@ -27,71 +26,38 @@ MAX_GAP_S = 0.2
 """Longest gap between two attitude samples that is bridged; robots turn too much in longer ones."""
 
 
-def read_lines(path: Path) -> list[str]:
-    """Lines of a text file without blank ones.
-
-    Raises:
-        InputError: missing or not text.
-    """
-    try:
-        text = read_regular(path)
-    except FileNotFoundError:
-        raise InputError(path, "is missing", "restore the file") from None
-    return [line for line in text.splitlines() if line.strip()]
-
-
 def read_table(path: Path, required: Sequence[str]) -> list[dict[str, str]]:
-    """Rows of a CSV file with a header; names and values stripped.
+    """Rows of a table of a known program, whose columns have fixed names.
 
     Raises:
         InputError: missing, empty, or a required column is missing (the error names it).
     """
-    lines = read_lines(path)
-    if len(lines) < 2:
-        raise InputError(path, "has no rows", "give a header line and one line for each sample")
-    try:
-        rows = list(csv.reader(lines))
-    except csv.Error:
-        raise InputError(path, "is not a CSV file", "separate columns with commas") from None
-    header = [name.strip() for name in rows[0]]
-    missing = [name for name in required if name not in header]
+    table = tables.read_table(path)
+    require_columns(path, table.names, required)
+    return [dict(zip(table.names, row, strict=True)) for row in table.rows]
+
+
+def require_columns(path: Path, names: Collection[str], required: Sequence[str]) -> None:
+    """InputError where a table lacks a column; it names those that are there."""
+    missing = [name for name in required if name not in names]
     if missing:
-        plural = "s" if len(missing) > 1 else ""
-        raise InputError(
-            path, f"has no column{plural} '{', '.join(missing)}'", f"needed are {', '.join(required)}"
-        )
-    return [dict(zip(header, (value.strip() for value in row), strict=False)) for row in rows[1:]]
-
-
-def number(text: str | None) -> float:
-    """The number in a cell, NaN where it is blank or says so.
-
-    Raises:
-        ValueError: it is something else.
-    """
-    return float(text) if text else math.nan
+        found = ", ".join(name[:30] for name in [*names][:20])
+        problem = f"has no column{'s' * (len(missing) > 1)} '{', '.join(missing)}'; columns found: {found}"
+        raise InputError(path, problem, f"needed are {', '.join(required)}")
 
 
 def column(path: Path, rows: Sequence[Mapping[str, str]], name: str) -> Floats:
-    """A column as numbers (N,), NaN for blank cells.
+    """A column as numbers (N,), NaN for blank cells, and all of it where there is no such column.
 
     Raises:
-        InputError: a cell holds no number; the error names line and column.
+        InputError: a cell holds no number; the error names row and column.
     """
-    values = np.full(len(rows), np.nan)
-    for index, row in enumerate(rows):
-        try:
-            values[index] = number(row.get(name))
-        except ValueError:
-            cell = str(row.get(name))[:40]
-            raise InputError(
-                path, f"row {index + 1}, column '{name}' holds {cell!r}", "write a number or leave it blank"
-            ) from None
-    return values
+    table = tables.Table(path, (name,), tuple((row.get(name, ""),) for row in rows))
+    return table.numbers(name)
 
 
 def read_numbers(path: Path, columns: int) -> Floats:
-    """Numbers (N, columns) of a file with '#' comments, separated by commas or blanks.
+    """Numbers (N, columns) of a file with '#' comments, separated by commas, semicolons or blanks.
 
     Further columns are left out. A last line that is cut off is dropped: so ends a log when the power goes.
 
@@ -104,7 +70,7 @@ def read_numbers(path: Path, columns: int) -> Floats:
         if line.lstrip().startswith("#"):
             continue
         try:
-            row = [float(cell) for cell in re.split(r"[,\s]+", line.strip().strip(","))[:columns]]
+            row = [float(cell) for cell in re.split(r"[,;\s]+", line.strip().strip(",;"))[:columns]]
         except ValueError:
             row = []
         if len(row) < columns and place == len(lines):
@@ -125,37 +91,22 @@ def by_time(times_s: Floats, values: Floats) -> tuple[Floats, Floats]:
 
 
 def images_in(folder: Path) -> list[Path]:
-    """Image files of a folder, sorted by name; none if there is no such folder."""
+    """Image files of a folder by name, numbers in names by their value; none if there is no such folder."""
     if not folder.is_dir():
         return []
-    return sorted(
-        p for p in folder.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES and not p.name.startswith(".")
-    )
+    found = (p for p in folder.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES and not p.name.startswith("."))
+    return sorted(found, key=lambda path: natural(path.name))
 
 
-def beside(folder: Path, kind: str, stem: str) -> Path | None:
-    """`folder/kind/stem.png` if it is there."""
-    path = folder / kind / f"{stem}.png"
-    return path if len(os.fsencode(path.name)) <= LONGEST_NAME and path.is_file() else None
+def natural(name: str) -> list[tuple[int, str]]:
+    """A key that sorts names by the values of the numbers in them.
 
-
-def label_beside(folder: Path, kind: str, name: str, stems: Counter[str]) -> Path | None:
-    """The `kind` image (`labels`, `depth`) of an image by its name within the recording.
-
-    `kind/a/1.png` belongs to `a/1.jpg` and to `images/a/1.jpg`; `kind/1.png` does as well where no other
-    image of the recording has that stem.
-
-    Args:
-        folder: of the recording.
-        kind: name of the folder with the labels.
-        name: of the image, relative to `folder`.
-        stems: how many images have each stem.
+    Example:
+        >>> sorted(["f10.png", "f9.png", "f2.png"], key=natural)
+        ['f2.png', 'f9.png', 'f10.png']
     """
-    path = Path(name).with_suffix("")
-    parts = path.parts
-    whole = [beside(folder, kind, "/".join(parts[start:])) for start in range(min(2, len(parts) - 1))]
-    alone = beside(folder, kind, path.name) if stems[path.name] < 2 else None
-    return next((found for found in (*whole, alone) if found), None)
+    parts = re.split(r"(\d+)", name)
+    return [(int(part), part) if part.isdecimal() else (-1, part) for part in parts]
 
 
 def inside_folder(where: Path, folder: Path, name: str) -> Path:

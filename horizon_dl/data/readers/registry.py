@@ -3,8 +3,21 @@
 from pathlib import Path
 from typing import Protocol
 
+from horizon_dl.data.from_images import FROM_IMAGES, camera_alone, with_attitude_from_images
 from horizon_dl.data.given import NOTHING_GIVEN, Given
-from horizon_dl.data.readers import euroc, film, image_files, images_csv, kitti, paparazzi, ros_bag, tum
+from horizon_dl.data.readers import (
+    euroc,
+    film,
+    image_files,
+    images_csv,
+    kitti,
+    kitti_odometry,
+    paparazzi,
+    ros_bag,
+    tartanair,
+    tum,
+)
+from horizon_dl.data.readers.parsing import images_in, relative_name
 from horizon_dl.data.readers.plugins import Plugins, plugins
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
@@ -23,7 +36,21 @@ class Reader(Protocol):
         """Opens the recording."""
 
 
-MODULES: tuple[Reader, ...] = (images_csv, kitti, paparazzi, tum, euroc, ros_bag, film, image_files)
+MODULES: tuple[Reader, ...] = (
+    images_csv,
+    kitti,
+    kitti_odometry,
+    euroc,
+    tartanair,
+    tum,
+    paparazzi,
+    ros_bag,
+    film,
+    image_files,
+)
+DEEPEST, MOST_FOLDERS = 3, 300
+"""How far below a folder its recordings are looked for."""
+
 READERS = {reader.NAME: reader for reader in MODULES}
 FORMATS: tuple[str, ...] = tuple(READERS)
 
@@ -40,21 +67,23 @@ def open_recording(path: Path, format: str | None = None, given: Given = NOTHING
     found = plugins()
     readers = _all(found)
     if format is None:
-        format = _recognised(path, readers, found.broken)
+        format, path = _found(path, readers, found.broken)
     if format not in readers:
         problem = found.broken.get(format, "is not known")
         raise InputError(f"--format {format}", problem, "choose one of " + ", ".join(readers))
+    if given.attitude == FROM_IMAGES:
+        return with_attitude_from_images(readers[format].read(path, camera_alone(given)))
     return readers[format].read(path, given)
 
 
 def recognise(path: Path) -> str:
-    """Name of the first format that the path looks like.
+    """Name of the first format that the path, else the one recording in the folders below it, looks like.
 
     Raises:
-        InputError: none; the error lists what each format needs.
+        InputError: none, or several below; the error lists them, or what each format needs.
     """
     found = plugins()
-    return _recognised(path, _all(found), found.broken)
+    return _found(path, _all(found), found.broken)[0]
 
 
 def _all(found: Plugins) -> dict[str, Reader]:
@@ -69,12 +98,43 @@ def _all(found: Plugins) -> dict[str, Reader]:
     return {**special, **others, **last}
 
 
-def _recognised(path: Path, readers: dict[str, Reader], broken: dict[str, str]) -> str:
-    for name, reader in readers.items():
-        if reader.recognises(path):
-            return name
+def _found(path: Path, readers: dict[str, Reader], broken: dict[str, str]) -> tuple[str, Path]:
+    name = _recognised(path, readers)
+    if path.is_dir() and (name is None or (name == image_files.NAME and not images_in(path))):
+        below = _below(path, readers)
+        if len(below) == 1:
+            return below[0]
+        if below:
+            names = ", ".join(relative_name(place, path) for _, place in below[:5])
+            problem = f"holds {len(below)} recordings: {names}{', ...' * (len(below) > 5)}"
+            raise InputError(path, problem, "give the folder of one of them")
+    if name is not None:
+        return name, path
     needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in readers.items())
     unusable = "".join(f"; {name} is installed, but {why}" for name, why in broken.items())
     empty = path.is_dir() and not any(path.iterdir())
     problem = "is empty" if empty else "is not a recording of a known format"
     raise InputError(path, problem, f"needed is one of: {needs}{unusable}")
+
+
+def _recognised(path: Path, readers: dict[str, Reader]) -> str | None:
+    return next((name for name, reader in readers.items() if reader.recognises(path)), None)
+
+
+def _below(path: Path, readers: dict[str, Reader]) -> list[tuple[str, Path]]:
+    """The recordings in the highest level of folders below a path that has any; no plain pictures."""
+    level = [path]
+    for _ in range(DEEPEST):
+        level = [child for place in level for child in _folders_in(place)][:MOST_FOLDERS]
+        named = ((_recognised(place, readers), place) for place in level)
+        found = [(name, place) for name, place in named if name and name != image_files.NAME]
+        if found:
+            return found
+    return []
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    try:
+        return sorted(one for one in folder.iterdir() if one.is_dir() and one.name[0] not in "._")
+    except OSError:
+        return []

@@ -1,11 +1,9 @@
-"""TUM RGB-D: `rgb.txt`, `groundtruth.txt`, `depth.txt`.
+"""TUM RGB-D: `rgb.txt`, `groundtruth.txt`, `depth.txt`; also ICL-NUIM, and trajectories of others.
 
 The ground truth holds quaternions x y z w, camera optical to a world with z up. Source: Sturm et al.,
 A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012.
 """
 
-import math
-from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -15,16 +13,18 @@ from horizon_dl.data.calibration.calibration import Calibration, read_calibratio
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
+from horizon_dl.data.readers.beside import files_beside
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
     by_time,
     check_overlap,
     inside_folder,
-    label_beside,
     read_lines,
     read_numbers,
     usable_quaternions,
 )
+from horizon_dl.data.readers.tum_lists import find_depths, find_images, find_trajectory, has_lists
+from horizon_dl.data.readers.world_axes import Z_UP, World, find_world
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import bracket, interpolate, rotation_from_quaternion, unit
@@ -33,10 +33,12 @@ from horizon_dl.geometry.camera import Camera
 Floats = NDArray[np.float64]
 
 NAME = "tum"
-NEEDS = "rgb.txt and groundtruth.txt, as TUM RGB-D has them"
+NEEDS = "rgb.txt and groundtruth.txt"
 MAX_DEPTH_OFFSET_S = 0.05
+FRAME_RATE_HZ = 30.0
+"""Of the data sets whose lists hold the number of a frame in place of its time."""
+
 RANGE_UNIT = RangeUnit(1 / 5000, "axis")
-UP_WORLD = np.array([0.0, 0.0, 1.0])
 
 # Published ROS calibrations of the colour cameras (the data set's page, "intrinsic camera calibration").
 CAMERAS = {
@@ -47,50 +49,59 @@ CAMERAS = {
         "radtan", 640, 480, 520.9, 521.0, 325.1, 249.7, (0.2312, -0.7849, -0.0033, -0.0001, 0.9172)
     ),
     "freiburg3": Camera("pinhole", 640, 480, 535.4, 539.2, 320.1, 247.6),
+    "icl-nuim": Camera("pinhole", 640, 480, 481.2, 480.0, 319.5, 239.5),
 }
 
 
 def recognises(folder: Path) -> bool:
     """Whether the folder looks like this format."""
-    return (folder / "rgb.txt").is_file()
+    return has_lists(folder)
 
 
-def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
+def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     """Opens one sequence.
 
     Raises:
         InputError: a file is missing, the camera is not known, or trajectory and images never meet in time.
     """
-    calibration = find_camera(folder)
-    images = read_list(folder / "rgb.txt")
-    depths = read_list(folder / "depth.txt") if (folder / "depth.txt").is_file() else []
-    truth = folder / "groundtruth.txt"
+    truth = find_trajectory(folder) or folder / "groundtruth.txt"
     samples = read_numbers(truth, 8)
+    images = find_images(folder)
+    if not images:
+        raise InputError(folder / "rgb.txt", "is missing or empty", f"needed: {NEEDS}")
     times, poses = by_time(samples[:, 0], samples[:, 1:])
     usable = usable_quaternions(poses[:, 3:7])
     times, poses = times[usable], poses[usable]
     check_overlap(truth, np.array([time_s for time_s, _ in images]), times)
-    stems = Counter(Path(name).stem for name in {name for _, name in images})
+    counted = _counts_frames([time_s for time_s, _ in images]) and _counts_frames(times.tolist())
+    world = find_world(poses, certain=counted or truth.suffix == ".freiburg")
+    calibration = find_camera(folder, truth, given)
+    names = [name for _, name in images]
+    truths = files_beside(folder, "labels", names)
+    depths = find_depths(folder)
     frames = []
-    for time_s, name in images:
-        header = FrameHeader(name, time_s, *pose_at(times, poses, time_s))
+    for index, (time_s, name) in enumerate(images):
+        seconds = time_s / FRAME_RATE_HZ if counted else time_s
+        header = FrameHeader(name, seconds, *pose_at(times, poses, time_s, world))
+        depth = nearest_depth(folder, depths, time_s)
         image = inside_folder(folder / "rgb.txt", folder, name)
-        labels = label_beside(folder, "labels", name, stems)
-        frames.append((header, FrameFiles(image, labels, nearest_depth(folder, depths, time_s))))
+        frames.append((header, FrameFiles(image, truths[index], depth)))
+    note = f"frames are numbered, not timed: {FRAME_RATE_HZ:g} a second are taken"
     return image_recording(
         folder.resolve().name,
         NAME,
         calibration.camera,
         frames,
         where=truth,
-        attitude_from="groundtruth.txt",
+        attitude_from=truth.name,
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         range_unit=RANGE_UNIT,
+        notes=(*([note] if counted else []), *([world.note] if world.note else [])),
     )
 
 
 def pose_at(
-    times_s: Floats, poses: Floats, time_s: float
+    times_s: Floats, poses: Floats, time_s: float, world: World = Z_UP
 ) -> tuple[Floats | None, float | None, float | None]:
     """Up in the camera (3,), yaw (rad) and height (m) at a time; None outside of the trajectory.
 
@@ -98,37 +109,15 @@ def pose_at(
         times_s: (N,) s.
         poses: (N, 7) tx ty tz qx qy qz qw.
         time_s: s.
+        world: its axes and the camera's.
     """
     place = bracket(times_s, time_s, MAX_GAP_S)
     attitude = interpolate(times_s, poses[:, [6, 3, 4, 5]], time_s, MAX_GAP_S)
     if place is None or attitude is None:
         return None, None, None
-    height = float(np.interp(time_s, times_s, poses[:, 2]))
+    height = float(np.interp(time_s, times_s, poses[:, :3] @ world.up))
     world_from_cam = rotation_from_quaternion(attitude)
-    forward = world_from_cam[:, 2]
-    return unit(world_from_cam.T @ UP_WORLD), -float(np.arctan2(forward[1], forward[0])), height
-
-
-def read_list(path: Path) -> list[tuple[float, str]]:
-    """Times (s) and file names of rgb.txt or depth.txt.
-
-    Raises:
-        InputError: missing, or a line is not `time name`.
-    """
-    pairs = []
-    for line in read_lines(path):
-        if line.lstrip().startswith("#"):
-            continue
-        stamp, _, name = line.strip().partition(" ")
-        try:
-            time_s = float(stamp)
-        except ValueError:
-            time_s = math.nan
-        if name.strip() and math.isfinite(time_s):
-            pairs.append((time_s, name.strip()))
-        else:
-            raise InputError(path, f"holds the line {line.strip()[:40]!r}", "lines are 'time filename'")
-    return pairs
+    return unit(world.optical(world_from_cam.T @ world.up)), world.yaw(world_from_cam[:, 2]), height
 
 
 def nearest_depth(folder: Path, depths: list[tuple[float, str]], time_s: float) -> Path | None:
@@ -140,21 +129,26 @@ def nearest_depth(folder: Path, depths: list[tuple[float, str]], time_s: float) 
     return path if abs(depth_time - time_s) <= MAX_DEPTH_OFFSET_S and path.is_file() else None
 
 
-def find_camera(folder: Path) -> Calibration:
-    """From camera.yaml, else the published one of the set that the lists' comments or the folder name.
+def _counts_frames(times: list[float]) -> bool:
+    """Whether times are numbers of frames: whole ones, from about zero, by one."""
+    if len(times) < 2 or not 0 <= times[0] < 1e6:
+        return False
+    whole = all(time == int(time) for time in times)
+    return whole and float(np.median(np.diff(sorted(times)))) == 1.0
+
+
+def find_camera(folder: Path, truth: Path, given: Given) -> Calibration:
+    """From --camera or camera.yaml, else the published one of the set that comments or names tell of.
 
     Raises:
         InputError: neither is there.
     """
-    if (folder / "camera.yaml").is_file():
-        return read_calibration(folder / "camera.yaml")
-    comments = [
-        line
-        for name in ("rgb.txt", "groundtruth.txt")
-        for line in read_lines(folder / name)
-        if line.startswith("#")
-    ]
-    text = " ".join([*comments, folder.resolve().name]).lower()
+    if given.camera is not None or (folder / "camera.yaml").is_file():
+        return read_calibration(given.camera or folder / "camera.yaml")
+    lists = [path for path in (folder / "rgb.txt", truth) if path.is_file()]
+    comments = [line for path in lists for line in read_lines(path) if line.startswith("#")]
+    told = "icl-nuim" if truth.suffix == ".freiburg" else ""
+    text = " ".join([*comments, folder.resolve().name, told]).lower()
     for name, camera in CAMERAS.items():
         if name in text:
             return Calibration(camera)

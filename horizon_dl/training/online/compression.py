@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from horizon_dl.training.crops import TrainingFrame
-from horizon_dl.training.online.half_resolution import doubled
+from horizon_dl.training.half_resolution import doubled
 
 Map = NDArray[np.float32]
 

@@ -22,9 +22,14 @@ from horizon_dl.training.averaging import averaged
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.crops import Batch, draw_batch
 from horizon_dl.training.evidence import evidence_card
+from horizon_dl.training.half_resolution import (
+    doubled,
+    half_elevation,
+    half_resolution_frame,
+    half_resolution_target,
+)
 from horizon_dl.training.module import horizon_loss
 from horizon_dl.training.online.compression import PackedFrame, unpack, unpack_elevation
-from horizon_dl.training.online.half_resolution import coarse_frame, coarse_target, doubled, half_elevation
 from horizon_dl.training.online.replay_buffer import ReplayMemory
 from horizon_dl.training.run_folder import Run
 from horizon_dl.uncertainty.measures import Measures, binary_entropy
@@ -114,21 +119,21 @@ class OnlineLearner:
         """
         view = self._view(seen)
         guide = self.net if self.frames >= FIRST_GUIDED_FRAME else None
-        newest = coarse_frame(view, self.config, guide)
+        newest = half_resolution_frame(view, self.config, guide)
         if not newest.valid_mask.any():
             return
         self.memory.add(newest, half_elevation(view.elevation), UNGUIDED if guide is None else self.frames)
         if guide is not None and self.frames % RENEWAL_FRAMES == 0:
-            self.memory.renew(self.frames, lambda *old: coarse_target(old[0], old[1], self.config, guide))
+            self.memory.renew(
+                self.frames, lambda *old: half_resolution_target(old[0], old[1], self.config, guide)
+            )
         settings = self.config.online
         early = self.frames < settings.warm_up_frames
         self.frames += 1
         # Unpacked once a frame, not once a step: each step takes other crops of them.
         replayed = self.memory.draw(settings.batch - NEWEST_CROPS)
         for _ in range(settings.warm_up_steps if early else settings.steps_per_frame):
-            yield self._step(
-                draw_batch([newest] * NEWEST_CROPS + replayed, self.config.train.crop, self._rng)
-            )
+            yield self._step(draw_batch([newest] * NEWEST_CROPS + replayed, settings.crop, self._rng))
 
     def frozen(self, info: dict[str, Any]) -> Callable[[], Run]:
         """What the learner is now, as a run that is ready to be saved or exported.

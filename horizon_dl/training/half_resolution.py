@@ -1,4 +1,4 @@
-"""Targets at half the size, for learning in one pass.
+"""Training frames: targets at half the size, and where they count.
 
 The net judges at a quarter of the image's size, and diffusion at half the size takes a quarter of the time.
 """
@@ -34,7 +34,7 @@ def half_elevation(elevation: Map) -> Map:
     return mean
 
 
-def coarse_target(
+def half_resolution_target(
     image: NDArray[np.uint8], elevation: Map, config: Config, guide: HorizonFCN | None
 ) -> NDArray[np.float16]:
     """The target of an image, made at half its size.
@@ -62,8 +62,8 @@ def doubled(target: NDArray[T], size: tuple[int, ...]) -> NDArray[T]:
     return np.pad(twice, missing, mode="edge")
 
 
-def coarse_frame(view: View, config: Config, guide: HorizonFCN | None) -> TrainingFrame:
-    """As `training_frame`, with the target of half the size; `guide` as for `coarse_target`."""
-    target = coarse_target(view.image, half_elevation(view.elevation), config, guide)
+def half_resolution_frame(view: View, config: Config, guide: HorizonFCN | None) -> TrainingFrame:
+    """A view with its target, and where it counts; `guide` as for `half_resolution_target`."""
+    target = half_resolution_target(view.image, half_elevation(view.elevation), config, guide)
     valid_mask = labelled_pixels(view.elevation, config.labels.band_rad)
     return TrainingFrame(view.image, target, valid_mask)

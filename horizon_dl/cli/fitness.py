@@ -1,0 +1,42 @@
+"""No verb learns from what cannot work: the quick part of the data check, before anything else."""
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from horizon_dl.config import Config
+    from horizon_dl.data.source import FrameSource
+
+
+def add_force(parser: argparse.ArgumentParser) -> None:
+    """`--force`."""
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="go on with data of which the quick check says that it cannot work",
+    )
+
+
+def stop_if_unfit(source: "FrameSource", config: "Config", *, force: bool) -> None:
+    """Say what the quick check finds wrong; what is live cannot be looked at beforehand.
+
+    Raises:
+        InputError: the data cannot work, and `force` is not set.
+    """
+    from horizon_dl.data.source import Recording
+    from horizon_dl.errors import InputError
+    from horizon_dl.inspection.quick_check import quick_check
+
+    if not isinstance(source, Recording):
+        return
+    check = quick_check(source, config.labels.band_rad)
+    for finding in check.findings:
+        if finding.level != "ok":
+            way_out = f"\n  -> {finding.way_out}" if finding.way_out else ""
+            print(f"{finding.level}: {finding.text}{way_out}", file=sys.stderr)
+    for note in source.notes:
+        print(f"note: {note}", file=sys.stderr)
+    if check.level == "problem" and not force:
+        problem = check.verdict.removeprefix("This data ").rstrip(".")
+        raise InputError(source.name, problem, "run check-data, or go on with --force")

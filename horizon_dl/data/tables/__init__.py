@@ -1,0 +1,1 @@
+"""Tables as people have them: separators, decimal commas, names of columns, units."""

@@ -1,0 +1,118 @@
+"""Time, attitude and height from the columns of a table."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.given import Given
+from horizon_dl.data.tables.columns import LENGTH_UNITS, TIME_UNITS, Column, require
+from horizon_dl.data.tables.iso_time import seconds_of_dates
+from horizon_dl.data.tables.table import Table
+from horizon_dl.data.tables.units import UNIT_NAMES, DoubtError, Steps, angle_unit, clock_unit
+from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import quaternion_from_rpy, yaw_of
+
+Floats = NDArray[np.float64]
+Columns = dict[str, Column]
+QUATERNION = ("qw", "qx", "qy", "qz")
+
+
+@dataclass(frozen=True)
+class AttitudeColumns:
+    """Attitudes of the body (FRD in NED), a row each, NaN where one is not known.
+
+    Attributes:
+        quaternions: (N, 4) unit, (w, x, y, z).
+        yaws_rad: (N,) clockwise seen from above.
+        heights_m: (N,) of the camera over the floor.
+        notes: units that were taken although the columns' names say others, a sentence each.
+    """
+
+    quaternions: Floats
+    yaws_rad: Floats
+    heights_m: Floats
+    notes: tuple[str, ...] = ()
+
+
+def read_times(table: Table, columns: Columns, given: Given, steps: Steps) -> tuple[Floats, tuple[str, ...]]:
+    """(N,) s, NaN for blank cells, and a note where the unit is not the one that the column names.
+
+    Raises:
+        InputError: no such column, no numbers in it, or a unit that is not certain.
+    """
+    require(table, columns, ("time",))
+    column = columns["time"]
+    dates = seconds_of_dates(table.texts(column.name))
+    if dates is not None:
+        return dates, ()
+    values = table.numbers(column.name)
+    unit = given.time_unit or _decided(table, clock_unit, values, column.unit, steps)
+    named = column.unit or "s"
+    note = f"column '{column.name}' is read as {UNIT_NAMES[unit]}, which alone fits its numbers"
+    return values * TIME_UNITS[unit], (note,) if unit not in (named, given.time_unit) else ()
+
+
+def read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeColumns:
+    """The attitude of each row, from a quaternion or from roll, pitch and, if there, yaw.
+
+    Raises:
+        InputError: there is neither, a cell is no number, or the angles' unit is not certain.
+    """
+    heights_m = _optional(table, columns, "height")
+    if "height" in columns:
+        heights_m *= LENGTH_UNITS[columns["height"].unit or "m"]
+    if all(role in columns for role in QUATERNION):
+        return _from_quaternions(table, columns, heights_m)
+    require(table, columns, ("roll", "pitch"))
+    angles, notes = _angles_rad(table, columns, given)
+    # The heading does not move the horizon: without it, zero serves.
+    filled = np.column_stack([angles[:, :2], np.where(np.isfinite(angles[:, 2]), angles[:, 2], 0.0)])
+    quaternions = np.full((len(filled), 4), np.nan)
+    for index in np.flatnonzero(np.isfinite(filled).all(axis=-1)):
+        quaternions[index] = quaternion_from_rpy(*filled[index].tolist())
+    yaws = np.where(np.isfinite(angles[:, 2]), angles[:, 2], np.nan)
+    return AttitudeColumns(quaternions, yaws, heights_m, notes)
+
+
+def _from_quaternions(table: Table, columns: Columns, heights_m: Floats) -> AttitudeColumns:
+    raw = np.stack([table.numbers(columns[role].name) for role in QUATERNION], axis=-1)
+    lengths = np.linalg.norm(raw, axis=-1, keepdims=True)
+    usable = np.isfinite(lengths) & (lengths > 1e-6)
+    quaternions = np.where(usable, raw / np.where(usable, lengths, 1.0), np.nan)
+    yaws = [yaw_of(one) if np.isfinite(one).all() else math.nan for one in quaternions]
+    return AttitudeColumns(quaternions, np.array(yaws), heights_m)
+
+
+def _angles_rad(table: Table, columns: Columns, given: Given) -> tuple[Floats, tuple[str, ...]]:
+    """(N, 3) roll, pitch, yaw, rad; columns of one named unit are judged together."""
+    roles = [role for role in ("roll", "pitch", "yaw") if role in columns]
+    raw = {role: table.numbers(columns[role].name) for role in roles}
+    angles = np.full((len(table.rows), 3), np.nan)
+    notes = []
+    for named in {columns[role].unit for role in roles}:
+        group = [role for role in roles if columns[role].unit == named]
+        levels = [raw[role] for role in group if role != "yaw"]
+        headings = [raw[role] for role in group if role == "yaw"]
+        unit = given.angle_unit or _decided(table, angle_unit, levels, headings, named)
+        for role in group:
+            place = ("roll", "pitch", "yaw").index(role)
+            angles[:, place] = np.deg2rad(raw[role]) if unit == "deg" else raw[role]
+        if named and unit not in (named, given.angle_unit):
+            names = ", ".join(columns[role].name for role in group)
+            notes.append(f"{names} are read as degrees: as radians they are over a full turn")
+    return angles, tuple(notes)
+
+
+def _optional(table: Table, columns: Columns, role: str) -> Floats:
+    return table.numbers(columns[role].name) if role in columns else np.full(len(table.rows), np.nan)
+
+
+def _decided(table: Table, decide: Callable[..., str], *numbers: Any) -> str:
+    try:
+        return decide(*numbers)
+    except DoubtError as doubt:
+        raise InputError(table.path, f"{table.found}; {doubt.looks}", doubt.way_out) from None

@@ -1,0 +1,62 @@
+"""An attitude log that is a table: times, attitudes and heights, row by row."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
+from horizon_dl.data.tables.columns import find_columns
+from horizon_dl.data.tables.table import read_table
+from horizon_dl.data.tables.units import LOG_STEPS
+from horizon_dl.errors import InputError
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class AttitudeRows:
+    """Attitudes of the body (FRD in NED), sorted by time; at least one.
+
+    Attributes:
+        times_s: (N,) s, on the table's clock.
+        quaternions: (N, 4) unit, (w, x, y, z).
+        yaws_rad: (N,), NaN where not known.
+        heights_m: (N,), NaN where not known.
+        notes: what its user should know, a sentence each.
+    """
+
+    times_s: Floats
+    quaternions: Floats
+    yaws_rad: Floats
+    heights_m: Floats
+    notes: tuple[str, ...] = ()
+
+
+def read_attitude_table(path: Path, given: Given = NOTHING_GIVEN) -> AttitudeRows:
+    """The rows of a table that have a time and an attitude.
+
+    Columns are found by their names (`columns.KEYS`), units in the names or by the numbers.
+
+    Raises:
+        InputError: missing, a column is missing, a unit is not certain, or no row has an attitude.
+    """
+    table = read_table(path)
+    columns = find_columns(table)
+    if "qw" not in columns and "time" not in columns and "roll" not in columns:
+        raise InputError(path, f"has no attitude; {table.found}", "needed are time_s, roll_rad, pitch_rad")
+    times_s, notes = read_times(table, columns, given, LOG_STEPS)
+    rows = read_attitudes(table, columns, given)
+    good = np.isfinite(times_s) & np.isfinite(rows.quaternions).all(axis=-1)
+    if not good.any():
+        raise InputError(path, "holds no attitude", "check that its values are numbers")
+    order = np.flatnonzero(good)[np.argsort(times_s[good], kind="stable")]
+    return AttitudeRows(
+        times_s[order],
+        rows.quaternions[order],
+        rows.yaws_rad[order],
+        rows.heights_m[order],
+        (*notes, *rows.notes),
+    )

@@ -1,0 +1,155 @@
+"""Reads a table with a header, whatever separates its columns and its decimals."""
+
+import csv
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.tables.text import read_lines
+from horizon_dl.errors import InputError
+
+Floats = NDArray[np.float64]
+
+SEPARATORS = ("\t", ";", "|", ",")
+COMMENTS = ("#", "%", "//")
+NOTHING = {"", "-", "--", "na", "n/a", "none", "null", "nan", "#n/a"}
+LOOKED_AT = 50
+
+
+@dataclass(frozen=True)
+class Table:
+    """The cells of a table as text, stripped; a cell that a row lacks is blank.
+
+    Attributes:
+        path: of the file, for errors.
+        names: of the columns, as written.
+        rows: each as long as `names`.
+    """
+
+    path: Path
+    names: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    def texts(self, name: str) -> list[str]:
+        """A column as it is written."""
+        place = self.names.index(name)
+        return [row[place] for row in self.rows]
+
+    def numbers(self, name: str) -> Floats:
+        """A column as numbers (N,), NaN for blank cells.
+
+        Raises:
+            InputError: a cell holds no number; the error names row and column.
+        """
+        values = np.full(len(self.rows), np.nan)
+        for index, cell in enumerate(self.texts(name)):
+            try:
+                values[index] = number(cell)
+            except ValueError:
+                problem = f"row {index + 1}, column '{name}' holds {cell[:40]!r}"
+                raise InputError(self.path, problem, "write a number or leave it blank") from None
+        return values
+
+    @property
+    def found(self) -> str:
+        """The names of the columns, for an error."""
+        shown = ", ".join(name[:30] for name in self.names[:20])
+        return f"columns found: {shown}{', ...' * (len(self.names) > 20)}"
+
+
+def number(cell: str) -> float:
+    """The number in a cell, with a decimal point or comma; NaN where the cell is blank or says so.
+
+    Raises:
+        ValueError: it is something else.
+
+    Example:
+        >>> number("1,5"), number("-2e-3"), number("n/a")
+        (1.5, -0.002, nan)
+    """
+    try:
+        return float(cell)
+    except ValueError:
+        if cell.lower() in NOTHING:
+            return math.nan
+        if re.fullmatch(r"[+-]?\d*,\d*(e[+-]?\d+)?", cell, re.IGNORECASE):
+            return float(cell.replace(",", "."))
+        raise
+
+
+def read_table(path: Path) -> Table:
+    """The table in a text file; its first line that is no comment names the columns.
+
+    Raises:
+        InputError: missing, not text, without rows, or its columns cannot be told apart.
+    """
+    lines = read_lines(path)
+    separator = None
+    if lines and re.fullmatch(r'"?sep=(.)"?', lines[0].strip()):  # as Excel writes it
+        separator = lines.pop(0).strip().strip('"')[-1]
+    comments = [line for line in lines if line.lstrip().startswith(COMMENTS)]
+    body = [line for line in lines if not line.lstrip().startswith(COMMENTS)]
+    if len(body) + bool(comments) < 2:
+        raise InputError(path, "has no rows", "give a header line and one line for each sample")
+    separator = separator or find_separator(body[:LOOKED_AT])
+    if comments and any(_is_number(cell) for cell in _cells(body[0], separator)):
+        body.insert(0, comments[-1].lstrip().lstrip("#%/"))
+    try:
+        names, *rows = (_cells(line, separator) for line in body)
+    except csv.Error:
+        raise InputError(path, "is not a CSV file", "separate columns with commas") from None
+    while len(names) > 1 and not names[-1]:  # a separator at the end of each line
+        names.pop()
+    if not rows:
+        raise InputError(path, "has no rows", "give a header line and one line for each sample")
+    if any(_is_number(name) for name in names):
+        raise InputError(path, "has no line that names its columns", "add one, as image,time_s,roll_rad")
+    longest = max(len(_without_blank_end(row)) for row in rows)
+    if longest > len(names):
+        problem = f"has rows of {longest} cells under a header of {len(names)}"
+        raise InputError(path, problem, "name every column; separate decimal commas with semicolons")
+    width = len(names)
+    return Table(path, tuple(names), tuple(tuple([*row, *[""] * width][:width]) for row in rows))
+
+
+def find_separator(lines: Sequence[str]) -> str:
+    r"""What separates the cells: the sign that gives the most lines as many cells as the first one.
+
+    Example:
+        >>> find_separator(["a;b", "1,0;2,0"]), find_separator(["a b", "1 2"])
+        (';', ' ')
+    """
+
+    def fitting(separator: str) -> tuple[float, int]:
+        widths = [len(_without_blank_end(_cells(line, separator))) for line in lines]
+        same = sum(width == widths[0] for width in widths) / len(widths)
+        return (same if widths[0] > 1 else 0.0, widths[0])
+
+    best = max((*SEPARATORS, " "), key=lambda separator: fitting(separator)[0])
+    # Rows are often cut short, but not most of them.
+    return best if fitting(best)[0] > 0.5 else max(SEPARATORS, key=lambda one: lines[0].count(one))
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    if separator == " ":
+        return line.split()
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
+
+
+def _without_blank_end(row: Sequence[str]) -> list[str]:
+    cells = list(row)
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        return math.isfinite(number(cell))
+    except ValueError:
+        return False

@@ -1,0 +1,55 @@
+"""Text files in the encodings that spreadsheets and loggers write."""
+
+import codecs
+from pathlib import Path
+
+from horizon_dl.data.regular_file import MOST_TEXT, check_regular
+from horizon_dl.errors import InputError
+
+MARKS = (
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+
+
+def read_lines(path: Path) -> list[str]:
+    """Lines of a text file without blank ones.
+
+    Raises:
+        InputError: missing or not text.
+    """
+    try:
+        check_regular(path, MOST_TEXT)
+        text = decoded(path.read_bytes())
+    except FileNotFoundError:
+        raise InputError(path, "is missing", "restore the file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(path, f"cannot be read as text ({type(error).__name__})", "check the file") from None
+    return [line for line in text.splitlines() if line.strip()]
+
+
+def decoded(data: bytes) -> str:
+    r"""The text in a file: UTF-8, UTF-16 with or without its mark, else Windows' Western one.
+
+    Raises:
+        UnicodeDecodeError: it is no text.
+
+    Example:
+        >>> decoded("a;b".encode("utf-16")), decoded(b"roll [\xb0]")
+        ('a;b', 'roll [°]')
+    """
+    for mark, encoding in MARKS:
+        if data.startswith(mark):
+            return data[len(mark) :].decode(encoding)
+    # Text of Latin letters in UTF-16 has a zero in every second byte, and no other text has any.
+    if len(data) >= 4 and data[1] == 0 == data[3]:
+        return data.decode("utf-16-le")
+    if len(data) >= 4 and data[0] == 0 == data[2]:
+        return data.decode("utf-16-be")
+    if b"\0" in data:
+        raise UnicodeDecodeError("utf-8", data, data.index(b"\0"), data.index(b"\0") + 1, "a zero byte")
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        return data.decode("cp1252")
