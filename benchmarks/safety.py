@@ -8,7 +8,8 @@ In pictures that show nothing, or not what is before the vehicle, no sector may 
 may be free (`clear`), or farther than 1.5 times the truth (`too far`), where the truth has an obstacle, or
 where the picture is lost. What it costs is counted on the frames that were left out.
 
-The limits were chosen on the embedded set and the corridor; arena, hallway and KITTI only score.
+The limits were chosen on the embedded set and the corridor, one of them on the arena, too; hallway and KITTI
+only score.
 """
 
 import argparse
