@@ -28,7 +28,7 @@ class FlatModel:
     """Sees free floor everywhere."""
 
     threshold = 0.5
-    place = ANY_PLACE
+    place: Place | None = ANY_PLACE
 
     def __init__(self, camera: Camera) -> None:
         self.camera = camera
