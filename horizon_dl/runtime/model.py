@@ -110,11 +110,12 @@ class ObstacleModel:
         if names != (INPUTS, OUTPUTS):
             raise InputError(path, "has other inputs or outputs than expected", "export it again")
         try:
-            problem = smoke_test(model)
+            wrong = smoke_test(model)
         except Exception as error:  # onnxruntime again, or a card of another size than the graph
-            problem = f"cannot be run ({str(error).splitlines()[0]})"
-        if problem is not None:
-            raise InputError(path, problem, "train longer, or export it again")
+            said = next(iter(str(error).splitlines()), type(error).__name__)
+            wrong = f"cannot be run ({shortened(said, 200)})"
+        if wrong is not None:
+            raise InputError(path, wrong, "train longer, or export it again")
         return model
 
     def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Outputs:
