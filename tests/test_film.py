@@ -1,63 +1,74 @@
-"""A film of a small flight, read back."""
+"""A film of a small flight, read back, and what `predict` leaves from every kind of source."""
 
 import shutil
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import cv2
-import make_sets
+import numpy as np
 import pytest
-from flat_model import FlatModel
+from scene import plain, scene
 
 from horizon_dl.cli import main
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
+from horizon_dl.runtime.ranged import ranges_of
 from horizon_dl.simulation.embedded import embedded_set
-from horizon_dl.visualization.video import drawn_frames, frames_per_second, write_film
+from horizon_dl.visualization.film import LONGEST_S, Film
+from horizon_dl.visualization.film_picture import FilmPicture
 
+av = pytest.importorskip("av")
 REFERENCE = Path(__file__).parents[1] / "exports" / "reference" / "model.onnx"
 
 
-def flight(tmp_path: Path, attitude: str = "-0.4") -> Path:
-    rows = [f"{i}.png,{0.05 * i},0.0,{attitude if i else '-0.4'},0.0,1.5" for i in range(6)]
-    return make_sets.images_csv(tmp_path / "flight", rows)
+def played(path: Path) -> tuple[str, list[float], tuple[int, int]]:
+    """Codec, times and size."""
+    with av.open(str(path)) as film:
+        stream = film.streams.video[0]
+        times: list[float] = []
+        with suppress(av.error.InvalidDataError):  # the end of a film that was cut off
+            times += (float(picture.time) for picture in film.decode(stream))
+        return stream.codec_context.name, times, (stream.width, stream.height)
 
 
-def test_a_film_has_the_flights_frames_and_rate(tmp_path: Path) -> None:
-    recording = open_recording(flight(tmp_path))
-    path = tmp_path / "film.mp4"
-    written = write_film(path, FlatModel(recording.camera), recording)
-    assert written == 6
-    film = cv2.VideoCapture(str(path))
-    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == 6
-    assert film.get(cv2.CAP_PROP_FPS) == pytest.approx(20.0, rel=0.01)
-    assert (film.get(cv2.CAP_PROP_FRAME_WIDTH), film.get(cv2.CAP_PROP_FRAME_HEIGHT)) == (32, 24)
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["film.mp4", "flight"]
+def write(path: Path, times: list[float]) -> None:
+    film = Film(path)
+    for index, time_s in enumerate(times):
+        frame, prediction = scene(index, time_s)
+        film.log(frame, prediction, ranges_of(frame, prediction))
+    film.close()
 
 
-def test_free_ground_is_drawn(tmp_path: Path) -> None:
-    recording = open_recording(flight(tmp_path))
-    model = FlatModel(recording.camera)
-    model.place = None  # a flat grey picture would be no evidence of anything
-    picture = next(drawn_frames(model, recording)).astype(int)
-    assert picture[20, 8, 1] > picture[20, 8, 2] + 5  # the grey picture, tinted green
+def test_a_film_plays_in_browsers_at_the_frames_own_pace(tmp_path: Path) -> None:
+    write(tmp_path / "film.mp4", [5.0, 5.05, 5.25, 9.0, 8.0, float("nan")])
+    codec, times, size = played(tmp_path / "film.mp4")
+    assert codec == "h264"
+    gaps = np.diff(times)
+    np.testing.assert_allclose(gaps[:3], [0.05, 0.2, LONGEST_S], atol=0.002)
+    assert (gaps > 0).all()  # a clock that runs backwards, or is lost, does not stop the film
+    assert size[0] % 2 == size[1] % 2 == 0
 
 
-def test_frames_without_attitude_are_left_out(tmp_path: Path) -> None:
-    recording = open_recording(flight(tmp_path, attitude="nan"))
-    assert len(list(drawn_frames(FlatModel(recording.camera), recording))) == 1
+def test_what_a_killed_process_leaves_still_plays(tmp_path: Path) -> None:
+    film = Film(tmp_path / "film.mp4")
+    for index in range(90):
+        film.log(*scene(index), None)
+    cut = tmp_path / "cut.mp4"
+    shutil.copy(tmp_path / "film.mp4", cut)  # as it lies there, never closed
+    film.close()
+    assert len(played(cut)[1]) >= 25
+
+
+def test_every_picture_has_the_same_size_and_says_what_is_missing() -> None:
+    picture, (frame, prediction) = FilmPicture(with_ground=True), scene()
+    with_ranges = picture(frame, prediction, ranges_of(frame, prediction))
+    assert picture(plain(frame), prediction, None).shape == with_ranges.shape
+    assert FilmPicture(with_ground=False)(frame, prediction, None).shape[1] < with_ranges.shape[1]
 
 
 def test_a_folder_that_is_not_there_is_one_line(tmp_path: Path) -> None:
-    recording = open_recording(flight(tmp_path))
-    with pytest.raises(InputError, match="cannot be written"):
-        write_film(tmp_path / "none" / "film.mp4", FlatModel(recording.camera), recording)
-
-
-def test_the_rate_is_the_median_and_bounded(tmp_path: Path) -> None:
-    assert frames_per_second(open_recording(flight(tmp_path))) == pytest.approx(20.0)
-    one = make_sets.images_csv(tmp_path / "one", ["a.png,0,0,0,0,1"])
-    assert frames_per_second(open_recording(one)) == pytest.approx(10.0)
+    film, (frame, prediction) = Film(tmp_path / "none" / "film.mp4"), scene()
+    with pytest.raises(InputError, match="cannot be written as a film"):
+        film.log(frame, prediction, None)
 
 
 def part_of_the_embedded_flight(folder: Path, frames: int) -> Path:
@@ -71,20 +82,28 @@ def part_of_the_embedded_flight(folder: Path, frames: int) -> Path:
     return folder
 
 
-def test_the_verb_films_the_embedded_flight(tmp_path: Path, capsys: Any) -> None:
-    data, path = part_of_the_embedded_flight(tmp_path / "set", 5), tmp_path / "out.mp4"
-    arguments = ["predict", str(REFERENCE), str(data), "--out", str(tmp_path / "p"), "--video", str(path)]
+def test_predict_leaves_a_film_and_a_page(tmp_path: Path, capsys: Any) -> None:
+    data, copy = part_of_the_embedded_flight(tmp_path / "set", 5), tmp_path / "copy.mp4"
+    out = tmp_path / "p"
+    arguments = ["predict", str(REFERENCE), str(data), "--out", str(out), "--video", str(copy)]
     assert main(arguments) == 0
-    film = cv2.VideoCapture(str(path))
-    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == 5
-    assert film.get(cv2.CAP_PROP_FPS) == pytest.approx(6.0, rel=0.01)
-    assert (film.get(cv2.CAP_PROP_FRAME_WIDTH), film.get(cv2.CAP_PROP_FRAME_HEIGHT)) == (320, 240)
     assert "wrote 5 frames" in capsys.readouterr().out
-    assert len(list((tmp_path / "p" / "panels").iterdir())) == 5
+    codec, times, _ = played(out / "film.mp4")
+    assert (codec, len(times)) == ("h264", 5)
+    assert copy.read_bytes() == (out / "film.mp4").read_bytes()
+    page = (out / "index.html").read_text()
+    assert "film.mp4" in page
+    assert len(list((out / "panels").iterdir())) == len(list((out / "arrays").iterdir())) == 5
 
 
-def test_a_film_needs_a_model_file_and_a_data_set(tmp_path: Path, capsys: Any) -> None:
-    picture = next((embedded_set() / "images").iterdir())
-    arguments = ["predict", str(REFERENCE), str(picture), "--out", str(tmp_path / "p"), "--video", "f.mp4"]
-    assert main(arguments) == 2
-    assert "needs an exported model and a camera" in capsys.readouterr().err
+def test_plain_pictures_make_a_page_and_one_picture_no_film(tmp_path: Path) -> None:
+    folder = tmp_path / "pictures"
+    folder.mkdir()
+    for name in ("00001.jpg", "00002.jpg"):
+        shutil.copy(embedded_set() / "images" / name, folder)
+    assert main(["predict", str(REFERENCE), str(folder), "--out", str(tmp_path / "two")]) == 0
+    assert len(played(tmp_path / "two" / "film.mp4")[1]) == 2
+    one = folder / "00001.jpg"
+    assert main(["predict", str(REFERENCE), str(one), "--out", str(tmp_path / "one")]) == 0
+    assert not (tmp_path / "one" / "film.mp4").exists()
+    assert (tmp_path / "one" / "index.html").is_file()

@@ -11,7 +11,7 @@ from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.free_distance import FreeDistances, free_distances, no_distances
 from horizon_dl.ranging.heading import Heading
-from horizon_dl.reporting.comparison import ranges_of
+from horizon_dl.runtime.ranged import range_frame
 from horizon_dl.visualization.panels import PanelRow, frame_panel
 from horizon_dl.visualization.range_picture import range_picture
 from horizon_dl.visualization.ranges import draw_ranges
@@ -96,8 +96,12 @@ def test_a_frame_is_ranged_and_the_panel_shows_it() -> None:
 def test_without_attitude_or_height_nothing_is_drawn() -> None:
     assert range_picture(replace(FRAME, up_cam=None), DIRECTIONS, P_ABOVE, 0.3) is None
     assert range_picture(replace(FRAME, up_cam=np.array([0.0, 0.0, 1.0])), DIRECTIONS, P_ABOVE, 0.3) is None
-    assert ranges_of(replace(FRAME, height_m=None), P_ABOVE, 0.3) is None
-    assert ranges_of(FRAME, P_ABOVE, 0.3) is not None
+    without = range_frame(replace(FRAME, height_m=None), DIRECTIONS, P_ABOVE, 0.3)
+    assert without is not None
+    assert not without.has_metres
+    found = range_frame(FRAME, DIRECTIONS, P_ABOVE, 0.3)
+    assert found is not None
+    assert found.has_metres
 
 
 def test_a_car_needs_more_room_than_a_drone() -> None:

@@ -36,7 +36,15 @@ VERBS = {
     "template": "files to fill in, for data of your own",
     "completion": "completion of verbs and options in a shell",
 }
-EXTRA_OF = {"mujoco": "sim", "pymavlink": "drone", "serial": "drone", "cv2": "drone", "cryptography": "sign"}
+EXTRA_OF = {
+    "mujoco": "sim",
+    "pymavlink": "drone",
+    "serial": "drone",
+    "cv2": "drone",
+    "av": "logs",
+    "rerun": "viz",
+    "cryptography": "sign",
+}
 OURS = "horizon_dl"
 
 

@@ -3,7 +3,8 @@
   horizon-dl compare DATA --out DIR
   horizon-dl compare DATA --out DIR --protocol tail --seeds 1
 
-DIR then holds metrics.json, report.html, roc.svg and panels/. Truth (labels/) is used for scoring alone.
+DIR then holds index.html (also as report.html), film.mp4, metrics.json, roc.svg and panels/. Truth (labels/)
+is used for scoring alone.
 """
 
 import argparse
@@ -48,22 +49,25 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.config import save_config
     from horizon_dl.evaluation.compare import compare, split_recording
     from horizon_dl.output import output_folder
-    from horizon_dl.reporting.comparison import PanelWriter, write_comparison
+    from horizon_dl.output.names import ResultNames
+    from horizon_dl.reporting.comparison import write_comparison
+    from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
     from horizon_dl.workers import open_workers
 
     split = split_recording(recording, arguments.protocol)
     seeds = list(range(config.seed, config.seed + arguments.seeds))
+    names = [one.name for one in recording.headers]
     with (
         output_folder(arguments.out, "compare", overwrite=arguments.overwrite) as folder,
         open_workers(arguments.scheduler) as workers,
     ):
-        panels = PanelWriter(folder, len(split.test))
+        log = ComparisonLog(folder, len(split.test), ResultNames(names))
         result = compare(
-            recording, config, arguments.protocol, seeds, on_frame=panels, progress=True, workers=workers
+            recording, config, arguments.protocol, seeds, on_frame=log, progress=True, workers=workers
         )
         save_config(config, folder / "config.yaml")
-        write_comparison(folder, f"{recording.name}, {arguments.protocol}", result, panels, config)
+        write_comparison(folder, f"{recording.name}, {arguments.protocol}", result, log, config)
     print(metrics_table(result.metrics))
     say_skipped(result.skipped)
     print(f"wrote {arguments.out / 'metrics.json'} and {arguments.out / 'report.html'}")

@@ -2,7 +2,7 @@
 
   horizon-dl demo --out DIR
 
-DIR then holds report.html, metrics.json, model.onnx with its card, and panels/.
+DIR then holds index.html (also as report.html), film.mp4, metrics.json, model.onnx with its card, panels/.
 """
 
 import argparse
@@ -37,17 +37,20 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.evaluation.compare import compare, split_recording
     from horizon_dl.export.smoke_test import export_and_try
     from horizon_dl.output import output_folder
-    from horizon_dl.reporting.comparison import PanelWriter, write_comparison
+    from horizon_dl.output.names import ResultNames
+    from horizon_dl.reporting.comparison import write_comparison
+    from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
     from horizon_dl.simulation.embedded import embedded_set
 
     recording = with_truth_of_every(3, open_recording(embedded_set()))
     split = split_recording(recording, "prequential")
     print(f"learning online from {len(split.train)} frames of the simulated arena, forest beside it")
+    names = [one.name for one in recording.headers]
     with output_folder(arguments.out, "demo", overwrite=arguments.overwrite) as folder:
-        panels = PanelWriter(folder, len(split.test))
-        result = compare(recording, config, "prequential", [config.seed], on_frame=panels, progress=True)
-        write_comparison(folder, "Demo: the simulated arena, learned online", result, panels, config)
+        log = ComparisonLog(folder, len(split.test), ResultNames(names))
+        result = compare(recording, config, "prequential", [config.seed], on_frame=log, progress=True)
+        write_comparison(folder, "Demo: the simulated arena, learned online", result, log, config)
         tried = export_and_try(learned_run(result, recording, config), recording, folder)
         told = tried.lines()
     print(metrics_table(result.metrics))

@@ -3,7 +3,7 @@
   horizon-dl evaluate RUN DATA --out DIR
   horizon-dl evaluate MODEL.onnx DATA --out DIR
 
-DIR then holds metrics.json, report.html, roc.svg and panels/.
+DIR then holds index.html (also as report.html), film.mp4, metrics.json, roc.svg and panels/.
 """
 
 import argparse
@@ -29,7 +29,9 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.evaluation.evaluate import evaluate
     from horizon_dl.methods.onnx_file import load_file_run
     from horizon_dl.output import output_folder
-    from horizon_dl.reporting.comparison import PanelWriter, write_comparison
+    from horizon_dl.output.names import ResultNames
+    from horizon_dl.reporting.comparison import write_comparison
+    from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
     from horizon_dl.training.run_folder import load_run
     from horizon_dl.workers import open_workers
@@ -38,14 +40,15 @@ def run(arguments: argparse.Namespace) -> None:
     trained = load(arguments.run_folder)
     recording = open_data(arguments)
     labelled = sum(entry.labelled for entry in recording.headers)
+    names = [one.name for one in recording.headers]
     with (
         output_folder(arguments.out, "evaluate", overwrite=arguments.overwrite) as folder,
         open_workers(arguments.scheduler) as workers,
     ):
-        panels = PanelWriter(folder, labelled)
-        result = evaluate(trained, recording, on_frame=panels, progress=True, workers=workers)
+        log = ComparisonLog(folder, labelled, ResultNames(names))
+        result = evaluate(trained, recording, on_frame=log, progress=True, workers=workers)
         title = f"{arguments.run_folder.name} on {recording.name}"
-        write_comparison(folder, title, result, panels, trained.config)
+        write_comparison(folder, title, result, log, trained.config)
     print(metrics_table(result.metrics))
     say_skipped(result.skipped)
     print(f"wrote {arguments.out / 'metrics.json'} and {arguments.out / 'report.html'}")

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.options import add_autopilot, add_given, check_autopilot, given, positive_int
+from horizon_dl.cli.viewers import add_viewers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -77,6 +78,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--speed", type=float, default=1.0, metavar="X", help="of a replay (default: 1)")
     parser.add_argument("--loop", action="store_true", help="replay again and again")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the flight's figures as JSON")
+    parser.add_argument(
+        "--record", type=Path, metavar="DIR", help="leave index.html, film.mp4 and flight.json there"
+    )
+    add_viewers(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -84,6 +89,7 @@ def run(arguments: argparse.Namespace) -> None:
     import signal
     import time
 
+    from horizon_dl.cli.flight_views import open_view
     from horizon_dl.errors import InputError
     from horizon_dl.output import write_json
     from horizon_dl.runtime.acceptance import not_airworthy
@@ -110,6 +116,7 @@ def run(arguments: argparse.Namespace) -> None:
     sighting.connected_only = arguments.connected_only
     link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
     flight = Fly(sighting, link, settings, time.monotonic)
+    view = open_view(arguments, source, flight, model, sighting)
     # A service is stopped by SIGTERM: the autopilot has to be told then, too.
     before = signal.signal(signal.SIGTERM, lambda *_: flight.stop())
     try:
@@ -120,9 +127,15 @@ def run(arguments: argparse.Namespace) -> None:
         signal.signal(signal.SIGTERM, before)
         link.close()
     figures = {**flight.summary(), "model": model.summary()}
+    if arguments.record:
+        write_json(arguments.record / "flight.json", figures)
+    if view is not None:
+        view.close()
     if arguments.out:
         write_json(arguments.out, figures)
     _say(figures)
+    if arguments.record:
+        print(f"look at {arguments.record / 'index.html'}")
 
 
 def _source(arguments: argparse.Namespace) -> "FrameSource":

@@ -7,8 +7,9 @@
   horizon-dl online camera:0 --mavlink udpin:127.0.0.1:14551 --camera camera.yaml --out RUN
                                                             a camera, with the autopilot's attitude
 
-RUN then holds frames.jsonl (one line a frame), TensorBoard logs, a checkpoint, and all of a run folder, with
-metrics.json. Stopped or killed, the same command goes on where the last checkpoint was taken.
+RUN then holds index.html, film.mp4, frames.jsonl (one line a frame), TensorBoard logs, a checkpoint, and all
+of a run folder, with metrics.json. --serve, --show and --rerun let it be watched. Stopped or killed,
+the same command goes on where the last checkpoint was taken.
 """
 
 import argparse
@@ -25,6 +26,7 @@ from horizon_dl.cli.options import (
     positive_int,
     resolve_config,
 )
+from horizon_dl.cli.viewers import add_viewers
 
 if TYPE_CHECKING:
     from horizon_dl.data.source import FrameSource
@@ -57,6 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--speed", type=positive_seconds, metavar="X", help="of --real-time (default: 1)")
     parser.add_argument("--mavlink", metavar="URL", help="as --attitude mavlink:URL")
+    parser.add_argument("--no-film", action="store_true", help="leave no film and no page")
+    add_viewers(parser)
     add_autopilot(parser)
 
 
@@ -74,6 +78,7 @@ def run(arguments: argparse.Namespace) -> None:
     config = resolve_config(arguments)
     stop_if_unfit(source, config, force=arguments.force)
 
+    from horizon_dl.cli.online_views import open_views
     from horizon_dl.errors import InputError
     from horizon_dl.online.real_time import run_in_real_time
     from horizon_dl.online.run import OnlineRun
@@ -92,6 +97,7 @@ def run(arguments: argparse.Namespace) -> None:
     )
     if online.position:
         online.keeper.say(f"going on at frame {online.position} of {source.name}")
+    open_views(arguments, online)
     more: dict[str, Any] = {}
     with _stopping(online):
         if arguments.real_time or source.live:

@@ -1,123 +1,111 @@
-"""Panels and arrays from a trained net, or from the ONNX file it was exported to.
+"""Pictures, arrays, a film and a page from a trained net, or from the ONNX file it was exported to.
 
   horizon-dl predict RUN DATA --out DIR           a data set: with horizon, and truth where there is one
   horizon-dl predict RUN pictures/ --out DIR      a folder of images, or one image
   horizon-dl predict MODEL.onnx DATA --out DIR    without torch; the images must be the model's camera's
 
-DIR then holds panels/NAME.jpg and arrays/NAME.npz (p_above, entropy, ... at the working size).
+DIR then holds index.html, film.mp4 (H.264; needs the extra `logs`), panels/NAME.jpg and arrays/NAME.npz
+(p_above, entropy, ... at the working size). A camera is predicted until Ctrl-C or --max-frames.
 """
 
 import argparse
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from horizon_dl.cli.options import add_data, add_out, given, is_model_file, say_skipped
+from horizon_dl.cli.options import add_data, add_out, given, is_model_file, positive_int, say_skipped
 
 if TYPE_CHECKING:
-    from horizon_dl.data.source import Recording
-    from horizon_dl.errors import FrameError
-    from horizon_dl.visualization.colours import Image
-
-    Drawn = tuple[str, Image, dict[str, Any]]
+    from horizon_dl.data.source import FrameSource
+    from horizon_dl.reporting.run_page import Page
+    from horizon_dl.runtime.prediction import Predictor
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
     parser.add_argument("model", type=Path, metavar="MODEL", help="what `train --out` or `export` wrote")
     add_data(parser, "source")
-    parser.add_argument(
-        "--video",
-        type=Path,
-        metavar="FILE",
-        help="also an MP4 with distance per bearing (MODEL.onnx, data set)",
-    )
+    parser.add_argument("--video", type=Path, metavar="FILE", help="also a copy of the film")
+    parser.add_argument("--max-frames", type=positive_int, metavar="N", help="end after N frames")
     add_out(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
     """Predict frame by frame and write as it goes."""
-    import numpy as np
-    from tqdm import tqdm
-
-    from horizon_dl.data.open_source import finished_recording, open_source
-    from horizon_dl.errors import FrameError, InputError
-    from horizon_dl.output import output_folder
-    from horizon_dl.output.names import ResultNames
+    from horizon_dl.data.open_source import open_source
+    from horizon_dl.errors import InputError
+    from horizon_dl.methods.open_predictor import open_predictor
+    from horizon_dl.output import output_folder, write_bytes
+    from horizon_dl.output.files import check_file
+    from horizon_dl.reporting.outputs import NO_FILM, can_film
+    from horizon_dl.reporting.run_page import FILM
     from horizon_dl.training.run_files import check_run_folder
-    from horizon_dl.visualization.panels import save_panel
 
-    _check_film(arguments.video, arguments.overwrite)
+    if arguments.video is not None:
+        check_file(arguments.video, arguments.overwrite, "--video")
     if not is_model_file(arguments.model):
         check_run_folder(arguments.model)
-    predictions = _from_file if is_model_file(arguments.model) else _from_run
     wanted = given(arguments, needs_attitude=False)
-    recording = finished_recording(open_source(arguments.source, arguments.format, wanted))
-    if arguments.video and not (is_model_file(arguments.model) and recording.camera):
-        raise InputError("--video", "needs an exported model and a camera", "run `horizon-dl export`")
-    count = recording.length
-    skipped: dict[str, str] = {}
-    names = ResultNames([header.name for header in recording.headers])
+    source = open_source(arguments.source, arguments.format, wanted)
+    predictor = open_predictor(arguments.model)
+    predictor.check(source)
+    if arguments.video and not can_film():
+        raise InputError("--video", "needs av", "pip install 'horizon-dl[logs]'")
     with output_folder(arguments.out, "predict", overwrite=arguments.overwrite) as folder:
-        for item in tqdm(predictions(arguments.model, recording), "predict", total=count, unit="frame"):
-            if isinstance(item, FrameError):
-                skipped[str(item)] = str(item)
-                continue
-            name, panel, arrays = item
-            result = names(name)
-            save_panel(folder / "panels" / f"{result}.jpg", panel)
-            place = folder / "arrays" / f"{result}.npz"
-            place.parent.mkdir(parents=True, exist_ok=True)
-            np.savez_compressed(place, **arrays)
-        if len(skipped) == count:
-            raise InputError(
-                arguments.source, "holds no frame that can be used", next(iter(skipped.values()))
-            )
+        count, skipped = _predict(arguments, predictor, source, folder)
+        if not count:
+            first = next(iter(skipped.values()), "it is empty")
+            raise InputError(arguments.source, "holds no frame that can be used", first)
+        film = (folder / FILM).is_file()
+        if arguments.video and film:
+            write_bytes(arguments.video, (folder / FILM).read_bytes())
     say_skipped(skipped)
-    print(f"wrote {count - len(skipped)} panels and arrays to {arguments.out}")
-    if arguments.video:
-        print(f"wrote {_film(arguments.video, arguments.model, recording)} frames to {arguments.video}")
+    print(f"wrote {count} panels and arrays to {arguments.out}")
+    if arguments.video and film:
+        print(f"wrote {count} frames to {arguments.video}")
+    if not can_film():
+        print(NO_FILM)
+    print(f"look at {arguments.out / 'index.html'}")
 
 
-def _check_film(path: Path | None, overwrite: bool) -> None:
-    from horizon_dl.output.files import check_file
+def _predict(
+    arguments: argparse.Namespace, predictor: "Predictor", source: "FrameSource", folder: Path
+) -> tuple[int, dict[str, str]]:
+    from itertools import islice
 
-    if path is not None:
-        check_file(path, overwrite, "--video")
+    from tqdm import tqdm
 
+    from horizon_dl.cli.stopping import stopping
+    from horizon_dl.data.source import Recording
+    from horizon_dl.output.names import ResultNames
+    from horizon_dl.reporting.outputs import film_and_page
+    from horizon_dl.visualization.file_sinks import Arrays, Panels
+    from horizon_dl.visualization.log_predictions import log_predictions
+    from horizon_dl.visualization.sink import Sink, closing
 
-def _film(path: Path, model: Path, recording: "Recording") -> int:
-    from horizon_dl.runtime.model import ObstacleModel
-    from horizon_dl.visualization.video import write_film
-
-    return write_film(path, ObstacleModel.load(model), recording)
-
-
-def _from_run(folder: Path, recording: "Recording") -> "Iterator[Drawn | FrameError]":
-    from horizon_dl.data.frame import checked
-    from horizon_dl.errors import FrameError
-    from horizon_dl.reporting.comparison import prediction_panel
-    from horizon_dl.training.evidence import place_of
-    from horizon_dl.training.predict import predict
-    from horizon_dl.training.run_folder import load_run
-
-    trained = load_run(folder)
-    place = place_of(trained.info, folder)
-    for item in recording.frames():
-        try:
-            if isinstance(item, FrameError):
-                raise item
-            prediction = predict(trained, checked(item))
-        except FrameError as error:
-            yield error
-            continue
-        yield item.name, prediction_panel(prediction, item, trained.threshold, place), prediction.arrays()
+    names = [one.name for one in source.headers] if isinstance(source, Recording) else []
+    title = f"{predictor.name} on {source.name}"
+    sinks: list[Sink] = [
+        Panels(folder / "panels", ResultNames(names)),
+        Arrays(folder / "arrays", ResultNames(names)),
+        *film_and_page(folder, source, title, lambda page: _lead(page, predictor, source)),
+    ]
+    lengths = [n for n in (source.length, arguments.max_frames) if n is not None]
+    frames = islice(source.frames(), arguments.max_frames)
+    bar = tqdm(frames, "predict", total=min(lengths, default=None), unit="frame")
+    with closing(sinks) as sink, stopping(source.stop) as stopped:
+        return log_predictions(predictor, bar, sink, stopped)
 
 
-def _from_file(path: Path, recording: "Recording") -> "Iterator[Drawn | FrameError]":
-    from horizon_dl.errors import FrameError
-    from horizon_dl.runtime.model import ObstacleModel
-    from horizon_dl.runtime.predict import predict_source
+def _lead(page: "Page", predictor: "Predictor", source: "FrameSource") -> str:
+    """What was done, and on frames of what."""
+    from statistics import fmean
 
-    for item in predict_source(ObstacleModel.load(path), recording):
-        yield item if isinstance(item, FrameError) else (item.frame.name, item.panel(), item.arrays())
+    words = f"{predictor.name} looked at {page.frames} frame{'s' * (page.frames != 1)} of {source.name}."
+    if page.aucs:
+        auc = fmean(value for _, value in page.aucs)
+        words += f" On the {len(page.aucs)} with truth the AUC of its obstacles is {auc:.3f} in the mean."
+    if predictor.trained_on == source.name:
+        words += " It was trained on these frames, or on frames of the same place: expect less elsewhere."
+    if source.camera is None:
+        words += " Without a camera and an attitude there is no horizon, and there are no distances."
+    return words

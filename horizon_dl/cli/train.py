@@ -3,9 +3,10 @@
   horizon-dl train DATA --out RUN
   horizon-dl train DATA --out RUN --train.rounds "[300, 400]" --target.kind guided
 
-RUN then holds weights.safetensors, config.yaml, run.json and TensorBoard logs. Every minute, and when it is
-stopped by Ctrl-C or SIGTERM, the training (in one process) leaves a checkpoint there; the same command with
---resume goes on from it, to the same weights.
+RUN then holds weights.safetensors, config.yaml, run.json, TensorBoard logs, and index.html with film.mp4:
+what the net says of the frames it has learned from. Every minute, and when it is stopped by Ctrl-C or
+SIGTERM, the training (in one process) leaves a checkpoint there; the same command with --resume goes on from
+it, to the same weights.
 """
 
 import argparse
@@ -13,13 +14,19 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config, say_skipped
 
 if TYPE_CHECKING:
+    from horizon_dl.data.source import Recording
     from horizon_dl.training.resumable import TrainingKeeper
+    from horizon_dl.training.run_folder import Run
+
+MOST_SHOWN = 120
+"""Frames in the film of a training."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -59,11 +66,39 @@ def run(arguments: argparse.Namespace) -> None:
                 recording, config, log_dir=folder / "tensorboard", progress=True, keeper=keeper
             )
         save_run(folder, trained)
+        _show(folder, trained, recording)
     keeper.finish()
     say_skipped(trained.info["skipped"])
     name = printable(recording.name)
     print(f"trained on {trained.info['frames']} frames of {name} in {trained.info['train_s']:.0f} s")
+    print(f"look at {arguments.out / 'index.html'}")
     print(f"wrote {arguments.out}; next: horizon-dl evaluate {arguments.out} {arguments.data} --out DIR")
+
+
+def _show(folder: Path, trained: "Run", recording: "Recording") -> None:
+    """A film and a page of frames that it was trained on."""
+    from horizon_dl.processes import is_helper
+    from horizon_dl.reporting.outputs import film_and_page
+    from horizon_dl.training.predict import RunPredictor
+    from horizon_dl.training.train import evenly
+    from horizon_dl.visualization.log_predictions import log_predictions
+    from horizon_dl.visualization.sink import closing
+
+    if is_helper():
+        return
+    part = recording.select(evenly(range(recording.length), MOST_SHOWN))
+    lead = (
+        f"The net was trained on {trained.info['frames']} frames of {recording.name}, without any label. The "
+        f"frames below are of those that it was trained on: what it is worth elsewhere, `evaluate` says."
+    )
+    facts = [
+        ("threshold", f"{trained.threshold:.3f} ({trained.info['threshold_rule']})"),
+        ("training", f"{trained.info['train_s']:.0f} s"),
+        ("frames left out", str(len(trained.info["skipped"]))),
+    ]
+    title = f"Trained on {recording.name}"
+    with closing(film_and_page(folder, part, title, lambda _: lead, lambda: facts)) as sink:
+        log_predictions(RunPredictor(trained), part.frames(), sink)
 
 
 @contextmanager

@@ -125,10 +125,33 @@ class RocAccumulator:
         first = int(score_bin(np.array([threshold]))[0]) + 1
         return _share(obstacle, first), _share(floor, first)
 
+    def rates_at_all(
+        self, thresholds: NDArray[np.floating]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+        """True- and false-positive rates of `score > threshold` at many; None where a class is missing."""
+        floor, obstacle = self._pooled()
+        if not floor.any() or not obstacle.any():
+            return None
+        first = score_bin(np.asarray(thresholds)) + 1
+        tp, fp = (np.append(np.cumsum(counts[::-1])[::-1], 0) for counts in (obstacle, floor))
+        return tp[first] / tp[0], fp[first] / fp[0]
+
     def _pooled(self) -> tuple[Counts, Counts]:
         """Floor and obstacle counts per bin over all bands."""
         pooled = self.counts.sum(axis=0)
         return pooled[0], pooled[1]
+
+
+def frame_auc(score: NDArray[np.floating], positive: NDArray[np.bool_]) -> float | None:
+    """AUC of the scores, (n,) in [0, 1], of one frame; None where a class is missing.
+
+    Example:
+        >>> frame_auc(np.array([0.9, 0.2]), np.array([True, False]))
+        1.0
+    """
+    bins = score_bin(score)
+    floor, obstacle = (np.bincount(bins[positive == kind], minlength=BINS) for kind in (False, True))
+    return _auc(floor[None], obstacle[None])
 
 
 def score_bin(score: NDArray[np.floating]) -> NDArray[np.intp]:

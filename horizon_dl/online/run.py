@@ -15,14 +15,19 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import FrameSource, Recording, calibrated
 from horizon_dl.data.view import View, any_view
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.methods.registry import NET
 from horizon_dl.online.figures import OnlineFigures
 from horizon_dl.online.guard import Distrust, StreamGuard
 from horizon_dl.online.periodic_export import HotExport
 from horizon_dl.online.run_directory import KIND, RunKeeper
 from horizon_dl.output import output_folder, write_json
+from horizon_dl.runtime.ranged import ranges_of
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.online.learner import OnlineLearner, mean_loss
+from horizon_dl.training.predict import prediction_of
 from horizon_dl.training.run_folder import Run, save_run
+from horizon_dl.uncertainty.measures import Measures
+from horizon_dl.visualization.sink import Sink
 
 RATE_MEMORY = 0.9
 
@@ -65,6 +70,11 @@ class OnlineRun:
         overwrite: the same, and take the folder over where it holds something else.
         progress: show a progress bar.
 
+    Attributes:
+        sink: takes what is predicted, or None.
+        show_every: the sink gets one frame in so many.
+        rate_hz: frames a second, of late.
+
     Raises:
         InputError: the folder cannot be written, or holds a checkpoint of something else.
     """
@@ -87,6 +97,8 @@ class OnlineRun:
         self.figures = OnlineFigures(config, source.headers if isinstance(source, Recording) else ())
         self.keeper = RunKeeper(folder, source, config, restart=restart, overwrite=overwrite)
         self.stopped = False
+        self.sink: Sink | None = None
+        self.show_every = 1
         self._max_frames = max_frames
         self._camera = calibrated(source)
         self._export = None if export_every_s is None else HotExport(folder, self._camera, export_every_s)
@@ -100,7 +112,7 @@ class OnlineRun:
         self._bar = tqdm(
             desc="online", total=total, initial=self.position, unit="frame", disable=not progress
         )
-        self._rate_hz: float | None = None
+        self.rate_hz: float | None = None
         self._last_s = time.perf_counter()
 
     def items(self) -> Iterator[tuple[int, Frame | FrameError]]:
@@ -137,6 +149,7 @@ class OnlineRun:
         reason = self.guard.check(item)
         if reason is None or not reason.spoils_horizon:
             self.figures.predicted_frame(index, item, view, found, self.learner.net)
+        self._show(index, item, view, found)
         return Seen(index, item, view, reason, took_s)
 
     def learning(self, seen: Seen) -> Iterator[None]:
@@ -163,9 +176,7 @@ class OnlineRun:
         self.figures.settled(seen.not_learned)
         now_s = time.perf_counter()
         rate = 1.0 / max(now_s - self._last_s, 1e-6)
-        self._rate_hz = (
-            rate if self._rate_hz is None else RATE_MEMORY * self._rate_hz + (1 - RATE_MEMORY) * rate
-        )
+        self.rate_hz = rate if self.rate_hz is None else RATE_MEMORY * self.rate_hz + (1 - RATE_MEMORY) * rate
         self._last_s = now_s
         line = self._line(seen)
         self.keeper.line(line, seen.index)
@@ -205,11 +216,30 @@ class OnlineRun:
         except (OSError, SafetensorError) as error:
             problem = f"cannot be written ({getattr(error, 'strerror', None) or error})"
             raise InputError(self.folder, problem, "make room; the same command then goes on") from None
+        self._close_sink()
         if self._export is not None:
             self._export.finish(run)
             if self._export.problem is not None:
                 self.keeper.say(f"{self._export.failed} exports failed ({self._export.problem})")
         return run
+
+    def _show(self, index: int, frame: Frame, view: View, found: Measures) -> None:
+        """Hand a prediction to the sink; its trouble is no reason to stop learning."""
+        if self.sink is None or index % self.show_every:
+            return
+        prediction = prediction_of(frame, view, found, self.figures.validation.thresholds[NET].compute())
+        try:
+            self.sink.log(frame, prediction, ranges_of(frame, prediction))
+        except (OSError, ValueError, InputError) as error:
+            self.keeper.say(f"nothing is shown any more ({error}); learning goes on")
+            self.sink = None
+
+    def _close_sink(self) -> None:
+        try:
+            if self.sink is not None:
+                self.sink.close()
+        except (OSError, ValueError, InputError) as error:
+            self.keeper.say(f"film or page could not be finished ({error})")
 
     def _info(self) -> dict[str, Any]:
         return {
@@ -241,7 +271,7 @@ class OnlineRun:
             "auc_within_depression": within,
             "predict_ms": 1e3 * seen.predict_s,
             "learn_ms": 1e3 * seen.learn_s,
-            "frames_per_s": self._rate_hz,
+            "frames_per_s": self.rate_hz,
         }
 
     def _snapshot(self) -> Snapshot:

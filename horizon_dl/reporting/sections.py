@@ -1,10 +1,12 @@
 """What a report is made of: headings, texts, tables, figures, findings and facts."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from horizon_dl.inspection.finding import Finding
+from horizon_dl.reporting.chart import Chart
 
 
 def media_type(content: bytes) -> str:
@@ -19,7 +21,14 @@ def media_type(content: bytes) -> str:
         return "image/jpeg"
     if b"<svg" in content[:2000]:
         return "image/svg+xml"
+    if content[:4] == b"RIFF" and content[8:12] == b"WEBP":
+        return "image/webp"
     raise ValueError("a figure wants the bytes of a PNG, JPEG or SVG file")
+
+
+def data_address(content: bytes) -> str:
+    """A picture as an address, so that a page is one file."""
+    return f"data:{media_type(content)};base64,{base64.b64encode(content).decode('ascii')}"
 
 
 @dataclass(frozen=True)
@@ -68,7 +77,7 @@ class Figure:
     @property
     def address(self) -> str:
         """The picture as a data address, so that the report is one file."""
-        return f"data:{media_type(self.content)};base64,{base64.b64encode(self.content).decode('ascii')}"
+        return data_address(self.content)
 
 
 @dataclass(frozen=True)
@@ -88,7 +97,39 @@ class Pairs:
     kind: str = field(default="pairs", init=False)
 
 
-Section = Heading | Text | Table | Figure | Findings | Pairs
+@dataclass(frozen=True)
+class Video:
+    """A film that lies beside the page; a page that was sent without it says so."""
+
+    path: str
+    alt: str
+    poster: bytes = b""
+    kind: str = field(default="video", init=False)
+
+
+@dataclass(frozen=True)
+class Links:
+    """Files beside the page: address and words."""
+
+    links: Sequence[tuple[str, str]]
+    kind: str = field(default="links", init=False)
+
+
+@dataclass(frozen=True)
+class Browser:
+    """Frames to go through, with a threshold that moves their obstacle maps; `data` is of `stills`.
+
+    Attributes:
+        data: what the script shows.
+        facts: whether there is a truth, so that frames can be sorted by how badly they did.
+    """
+
+    data: Mapping[str, Any]
+    facts: bool = False
+    kind: str = field(default="browser", init=False)
+
+
+Section = Heading | Text | Table | Figure | Findings | Pairs | Video | Links | Browser | Chart
 
 GLOSSARY = Pairs(
     (

@@ -7,7 +7,7 @@ timer sends in any case; whenever the watchdog is not content it sends "unknown"
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -70,6 +70,7 @@ class Fly:
         unknown: messages that said "unknown" because of the watchdog.
         doubted: messages that said "unknown" because the newest frame showed no evidence.
         without_attitude: pictures for whose time there was none; an autopilot has to send 10 a second.
+        on_look: told every frame that was looked at, with the sectors; it must not take long.
     """
 
     def __init__(
@@ -84,6 +85,7 @@ class Fly:
         self._newest = _Sighted(-np.inf, None)
         self._height = HeightWatch()
         self._reported_s = -np.inf
+        self.on_look: Callable[[Frame, FreeDistances], None] | None = None
         self._stop = threading.Event()
         self._error: Exception | None = None
 
@@ -167,6 +169,9 @@ class Fly:
                 judged.reasons or (why for why, count in judged.sectors.items() if count > few)
             )
         self.watchdog.result(frame.time_s)
+        if self.on_look is not None:
+            seen = replace(frame, up_cam=up_cam, height_m=height_m, floor_up_cam=floor, yaw_rad=yaw_rad)
+            self.on_look(seen, found)
 
     def message_cm(self) -> NDArray[np.uint16]:
         """(72,) what is to be sent now."""

@@ -30,6 +30,7 @@ class FollowedModel:
         taken_over: how often a fresh file took over.
         refused: files that were not taken.
         problem: of the last file refused.
+        last: what the model said last, for those who watch.
     """
 
     def __init__(
@@ -42,6 +43,7 @@ class FollowedModel:
     ) -> None:
         self.taken_over = self.refused = 0
         self.problem: str | None = None
+        self.last: Outputs | None = None
         self._path, self._threads, self._trusted = path, threads, trusted
         self._take(model)
         self._stamp = as_loaded
@@ -57,7 +59,8 @@ class FollowedModel:
     def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Outputs:
         """Maps of one frame by the newest file that fits; see `ObstacleModel.predict`."""
         self._follow()
-        return self.current.predict(image, up_cam)
+        self.last = self.current.predict(image, up_cam)
+        return self.last
 
     def summary(self) -> dict[str, Any]:
         """Counts, ready for JSON."""

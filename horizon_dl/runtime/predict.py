@@ -1,74 +1,75 @@
 """A model file on a data set or on plain pictures, without torch."""
 
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, replace
 from math import isclose
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.frame import Frame
+from horizon_dl.data.frame import Frame, has_attitude
 from horizon_dl.data.source import FrameSource
+from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.geometry.resize import area_resize
 from horizon_dl.runtime.model import ObstacleModel, Outputs
 from horizon_dl.runtime.perception import model_rays
-from horizon_dl.visualization.colours import Image
-from horizon_dl.visualization.panels import PanelRow, frame_panel
-from horizon_dl.visualization.range_picture import range_picture
+from horizon_dl.runtime.prediction import Prediction
+from horizon_dl.uncertainty.measures import Measures
 
 
-@dataclass(frozen=True)
-class FileOutputs:
-    """What a model file says of one frame.
+class FilePredictor:
+    """An exported file as a `Predictor`.
 
-    Attributes:
-        frame: what was looked at.
-        outputs: of the model.
-        ranges: distances per bearing, drawn; None without attitude or height.
+    Example:
+        >>> predictor = FilePredictor(ObstacleModel.load("model.onnx"))   # doctest: +SKIP
+        >>> predictor.predict(frame).obstacles.mean()                     # doctest: +SKIP
     """
 
-    frame: Frame
-    outputs: Outputs
-    ranges: Image | None = None
+    def __init__(self, model: ObstacleModel, name: str = "model.onnx") -> None:
+        self.model, self.name = model, name
+        data = model.card.get("trained_on", {}).get("data")
+        self.trained_on = str(data) if data else None
+        self._rays = model_rays(model)
 
-    def arrays(self) -> dict[str, Any]:
-        """All maps by name at the working size, the float ones as float16, as a run folder gives them."""
-        maps = {
-            name: value
-            for name, value in vars(self.outputs).items()
-            if name not in ("elevation", "obstacles")
-        }
-        small = {name: value.astype(np.float16) for name, value in maps.items()}
-        return {**small, "obstacles": self.small_obstacles(), "elevation_rad": self.outputs.elevation}
+    def check(self, source: FrameSource) -> None:
+        """InputError: the source has another camera than the model was exported for."""
+        if source.camera is not None:
+            check_camera(self.model, source.camera, source.name)
 
-    def small_obstacles(self) -> NDArray[np.bool_]:
-        """The obstacle map at the working size, which the model enlarged by repeating pixels."""
-        (height, width), small = self.outputs.obstacles.shape, self.outputs.entropy.shape
-        rows = ((np.arange(small[0]) + 0.5) * (height / small[0])).astype(int)
-        columns = ((np.arange(small[1]) + 0.5) * (width / small[1])).astype(int)
-        return self.outputs.obstacles[np.ix_(rows, columns)]
-
-    def panel(self) -> Image:
-        """Image, classification, uncertainty, obstacle map; distances and truth where there are any."""
-        found = self.outputs
-        row = PanelRow("", found.p_above, found.entropy, self.small_obstacles(), ranges=self.ranges)
-        return frame_panel(self.frame.image, found.elevation, [row], self.frame.truth, title=self.frame.name)
+    def predict(self, frame: Frame) -> Prediction:
+        """See `Predictor`; FrameError for an image of another size than the model takes."""
+        model = self.model
+        if frame.image.shape[:2] != (model.camera.height, model.camera.width):
+            theirs = f"{frame.image.shape[1]}x{frame.image.shape[0]}"
+            problem = f"is {theirs} pixels, the model takes {_size(model.camera)}"
+            raise FrameError(frame.name, problem, "export for this size with `horizon-dl export RUN --size`")
+        found = model.predict(frame.image, frame.up_cam if has_attitude(frame) else None)
+        return replace(of_outputs(frame, found, model.threshold, self._rays), place=model.place)
 
 
-def predict_source(model: ObstacleModel, source: FrameSource) -> Iterator[FileOutputs | FrameError]:
-    """Every frame, or the error of one that cannot be used.
+def of_outputs(frame: Frame, found: Outputs, threshold: float, directions: NDArray[np.float32]) -> Prediction:
+    """A model file's outputs as a prediction; the obstacle map is the file's own."""
+    height, width = found.entropy.shape
+    same = frame.image.shape[:2] == (height, width)
+    view = View(frame.image if same else area_resize(frame.image, (width, height)), found.elevation)
+    return Prediction(view, measures_of(found), threshold, small_obstacles(found), directions)
 
-    Raises:
-        InputError: the source has another camera than the model was exported for.
-    """
-    if source.camera is not None:
-        check_camera(model, source.camera, source.name)
-    rays = model_rays(model)
-    for item in source.frames():
-        yield item if isinstance(item, FrameError) else _of_frame(model, rays, item)
+
+def measures_of(found: Outputs) -> Measures:
+    """The measures among a model's outputs."""
+    return Measures(
+        found.p_above, found.entropy, found.expected_entropy, found.mutual_information, found.surprisal
+    )
+
+
+def small_obstacles(found: Outputs) -> NDArray[np.bool_]:
+    """The obstacle map at the working size, which the model enlarged by repeating pixels."""
+    (height, width), small = found.obstacles.shape, found.entropy.shape
+    rows = ((np.arange(small[0]) + 0.5) * (height / small[0])).astype(int)
+    columns = ((np.arange(small[1]) + 0.5) * (width / small[1])).astype(int)
+    return found.obstacles[np.ix_(rows, columns)]
 
 
 def check_camera(model: ObstacleModel, camera: Camera, where: str | Path) -> None:
@@ -102,16 +103,3 @@ def _numbers(camera: Camera) -> list[float]:
 
 def _size(camera: Camera) -> str:
     return f"{camera.width}x{camera.height}"
-
-
-def _of_frame(model: ObstacleModel, rays: NDArray[np.float32], frame: Frame) -> FileOutputs | FrameError:
-    if frame.image.shape[:2] != (model.camera.height, model.camera.width):
-        problem = (
-            f"is {frame.image.shape[1]}x{frame.image.shape[0]} pixels, the model takes {_size(model.camera)}"
-        )
-        return FrameError(frame.name, problem, "export for this size with `horizon-dl export RUN --size`")
-    found = model.predict(frame.image, frame.up_cam)
-    ranges = None
-    if frame.height_m is not None:
-        ranges = range_picture(frame, rays, found.p_above, model.threshold, model.place)
-    return FileOutputs(frame, found, ranges)

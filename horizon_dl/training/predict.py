@@ -1,41 +1,49 @@
 """A trained net on new images, with or without attitude."""
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import replace
+from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from horizon_dl.data.frame import Frame
+from horizon_dl.data.frame import Frame, checked
+from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View, any_view
+from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.models.net_measures import net_measures
-from horizon_dl.training.run_folder import Run
+from horizon_dl.runtime.prediction import Prediction
+from horizon_dl.training.evidence import place_of
+from horizon_dl.training.run_folder import Run, load_run
 from horizon_dl.uncertainty.measures import Measures
-from horizon_dl.uncertainty.obstacle_map import obstacle_map
 
 
-@dataclass(frozen=True)
-class Prediction:
-    """What a net says of one frame.
+class RunPredictor:
+    """A run folder as a `Predictor`; it takes frames of every camera and size."""
 
-    Attributes:
-        view: the frame at the working size; its elevation is NaN where no attitude is known.
-        measures: maps of that size; without attitude the surprisal means nothing.
-        obstacles: (h, w) bool, entropy over the run's threshold, lone pixels removed.
-    """
+    def __init__(self, run: Run, name: str = "run") -> None:
+        self.run, self.name = run, name
+        data = run.info.get("data")
+        self.trained_on = str(data) if data else None
 
-    view: View
-    measures: Measures
-    obstacles: NDArray[np.bool_]
+    def check(self, source: FrameSource) -> None:
+        """Every source fits."""
 
-    def arrays(self) -> dict[str, Any]:
-        """All maps by name, the float ones as float16."""
-        maps = {name: value.astype(np.float16) for name, value in vars(self.measures).items()}
-        return {**maps, "obstacles": self.obstacles, "elevation_rad": self.view.elevation}
+    def predict(self, frame: Frame) -> Prediction:
+        """See `Predictor`; FrameError for an image of another size than its camera's."""
+        return replace(predict(self.run, checked(frame)), place=place_of(self.run.info, self.name))
+
+
+def load_run_predictor(folder: Path) -> RunPredictor:
+    """The predictor in a run folder; errors as of `load_run`."""
+    return RunPredictor(load_run(folder), folder.name)
 
 
 def predict(run: Run, frame: Frame) -> Prediction:
     """Measures and obstacle map of one frame, with or without attitude."""
     view = any_view(frame, run.config.image.max_pixels)
-    found = net_measures(run.net, view.image, view.elevation > 0)
-    return Prediction(view, found, obstacle_map(found.entropy, run.threshold))
+    return prediction_of(frame, view, net_measures(run.net, view.image, view.elevation > 0), run.threshold)
+
+
+def prediction_of(frame: Frame, view: View, found: Measures, threshold: float) -> Prediction:
+    """A learner's measures of a view as a prediction, with the rays of the frame's camera if it is known."""
+    directions = None
+    if frame.camera is not None:
+        directions = camera_rays(frame.camera.scaled(view.image.shape[1], view.image.shape[0])).directions
+    return Prediction.of(view, found, threshold, directions)

@@ -4,19 +4,16 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
-from horizon_dl.visualization.colours import Colour, Image, colour_map
+from horizon_dl.visualization.colours import Image, colour_map
 from horizon_dl.visualization.overlays import (
-    contour_coverage,
-    draw_horizon,
-    draw_line,
     draw_obstacles,
+    draw_strokes,
     draw_truth,
+    horizon_strokes,
     shrink_truth,
 )
 
 Floats = NDArray[np.floating]
-WHITE: Colour = (255, 255, 255)
-BLACK: Colour = (0, 0, 0)
 
 
 def resize_image(image: Image, width: int, height: int) -> Image:
@@ -55,10 +52,11 @@ class Cells:
         self.height = max(1, round(image.shape[0] * width / image.shape[1]))
         self.image = resize_image(image, self.width, self.height)
         self.elevation = resize_map(elevation, self.width, self.height)
+        self._horizon = horizon_strokes(self.elevation)
 
     def photo(self) -> Image:
         """The image itself."""
-        return draw_horizon(self.image, self.elevation)
+        return self._with_horizon(self.image)
 
     def picture(self, drawn: Image) -> Image:
         """A picture of any size that is drawn already."""
@@ -66,18 +64,17 @@ class Cells:
 
     def map(self, values: Floats, table: str) -> Image:
         """Values in [0, 1], any size, through the colour map `sides` or `uncertainty`."""
-        coloured = colour_map(resize_map(values, self.width, self.height), table)
-        return self._thin_horizon(coloured, BLACK if table == "sides" else WHITE)
+        return self._with_horizon(colour_map(resize_map(values, self.width, self.height), table))
 
     def obstacles(self, mask: NDArray[np.bool_]) -> Image:
         """An obstacle map of any size over the grey image."""
         drawn = draw_obstacles(self.image, _resize_mask(mask, self.width, self.height))
-        return self._thin_horizon(drawn, WHITE)
+        return self._with_horizon(drawn)
 
     def truth(self, truth: NDArray[np.uint8]) -> Image:
         """A truth of any size over the grey image."""
         drawn = draw_truth(self.image, shrink_truth(truth, self.width, self.height))
-        return self._thin_horizon(drawn, WHITE)
+        return self._with_horizon(drawn)
 
-    def _thin_horizon(self, picture: Image, colour: Colour) -> Image:
-        return draw_line(picture, contour_coverage(self.elevation, 0.0, 1.0), colour, 0.8)
+    def _with_horizon(self, picture: Image) -> Image:
+        return draw_strokes(picture, self._horizon)

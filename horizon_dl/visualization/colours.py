@@ -14,6 +14,7 @@ ABOVE_COLOUR: Colour = (33, 102, 172)
 BELOW_COLOUR: Colour = (107, 142, 35)
 OBSTACLE_COLOUR: Colour = (230, 74, 25)
 HORIZON_COLOUR: Colour = (255, 214, 10)
+HEADING_COLOUR: Colour = (64, 156, 255)
 NO_VALUE_COLOUR: Colour = (222, 222, 222)
 
 # Control points every 1/16 of matplotlib's "magma" (CC0): within 3 of 255 of the full table.

@@ -1,5 +1,7 @@
 """The horizon, its sides, obstacles and truths drawn over an image, for any lens."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,17 +19,18 @@ from horizon_dl.visualization.colours import (
 )
 
 Floats = NDArray[np.floating]
+Stroke = tuple[NDArray[np.intp], NDArray[np.float32], Colour]  # flat places, alpha (n, 1), colour
 
 
-def contour_coverage(field: Floats, level: float, width_px: float) -> NDArray[np.float64]:
+def contour_coverage(field: Floats, level: float, width_px: float) -> NDArray[np.float32]:
     """Share in [0, 1] of each pixel that a line along `field == level` covers; 0 where the field is NaN.
 
     The distance to the line is taken to first order, |field - level| / |gradient|, which is exact enough
     for elevations (smooth over a pixel) and needs neither a straight horizon nor a contour follower.
     """
     if min(field.shape) < 2:
-        return np.zeros(field.shape)
-    values = np.asarray(field, np.float64) - level
+        return np.zeros(field.shape, np.float32)
+    values = np.asarray(field, np.float32) - np.float32(level)
     along_v, along_u = np.gradient(values)
     slope = np.hypot(along_u, along_v)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -38,8 +41,32 @@ def contour_coverage(field: Floats, level: float, width_px: float) -> NDArray[np
 
 def draw_line(image: Image, coverage: Floats, colour: Colour, strength: float = 1.0) -> Image:
     """A copy of the (h, w, 3) image with a colour laid over it by (h, w) coverage times strength."""
-    alpha = (coverage * strength)[..., None]
-    return np.asarray((image * (1.0 - alpha) + np.asarray(colour) * alpha).round(), np.uint8)
+    return draw_strokes(image, [stroke(coverage, colour, strength)])
+
+
+def stroke(coverage: Floats, colour: Colour, strength: float = 1.0) -> Stroke:
+    """A line that can be drawn into many pictures: few pixels of a picture lie on it."""
+    place = np.flatnonzero(coverage)
+    return place, np.asarray(coverage.ravel()[place, None] * strength, np.float32), colour
+
+
+def draw_strokes(image: Image, strokes: Sequence[Stroke]) -> Image:
+    """A copy of the (h, w, 3) image with lines drawn into it."""
+    drawn = image.copy()
+    flat = drawn.reshape(-1, 3)
+    for place, alpha, colour in strokes:
+        mixed = flat[place] * (1.0 - alpha) + np.asarray(colour, np.float32) * alpha
+        flat[place] = mixed.round().astype(np.uint8)
+    return drawn
+
+
+def horizon_strokes(elevation: Floats, width_px: float = 1.5) -> list[Stroke]:
+    """The horizon as `draw_horizon` draws it."""
+    # A wider dark line underneath keeps the yellow visible on bright walls and skies.
+    return [
+        stroke(contour_coverage(elevation, 0.0, width_px + 1.5), (0, 0, 0), 0.45),
+        stroke(contour_coverage(elevation, 0.0, width_px), HORIZON_COLOUR),
+    ]
 
 
 def draw_horizon(image: Image, elevation: Floats, band_rad: float = 0.0, width_px: float = 1.5) -> Image:
@@ -55,9 +82,7 @@ def draw_horizon(image: Image, elevation: Floats, band_rad: float = 0.0, width_p
     if band_rad > 0:
         for edge_rad in (-band_rad, band_rad):
             drawn = draw_line(drawn, contour_coverage(elevation, edge_rad, 1.0), (255, 255, 255), 0.55)
-    # A wider dark line underneath keeps the yellow visible on bright walls and skies.
-    drawn = draw_line(drawn, contour_coverage(elevation, 0.0, width_px + 1.5), (0, 0, 0), 0.45)
-    return draw_line(drawn, contour_coverage(elevation, 0.0, width_px), HORIZON_COLOUR)
+    return draw_strokes(drawn, horizon_strokes(elevation, width_px))
 
 
 def draw_sides(image: Image, elevation: Floats, band_rad: float, strength: float = 0.22) -> Image:

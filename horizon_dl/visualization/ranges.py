@@ -1,7 +1,6 @@
 """Free ground, the distance per bearing and the chosen heading drawn into a picture, for any lens."""
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,8 +11,8 @@ from horizon_dl.ranging.free_distance import FreeDistances, Outcome
 from horizon_dl.ranging.heading import Heading
 from horizon_dl.visualization.cells import resize_image
 from horizon_dl.visualization.colours import (
-    ABOVE_COLOUR,
     BELOW_COLOUR,
+    HEADING_COLOUR,
     HORIZON_COLOUR,
     OBSTACLE_COLOUR,
     Image,
@@ -39,7 +38,6 @@ def draw_ranges(
     *,
     forward_cam: NDArray[np.float64] | tuple[float, float, float] = (0.0, 0.0, 1.0),
     far_m: float = FAR_M,
-    reasons: Sequence[str] = (),
 ) -> Image:
     """The picture with free ground in green, contacts from red (near) to yellow (far), the heading in blue.
 
@@ -55,7 +53,6 @@ def draw_ranges(
         heading: drawn as a line on the ground; None draws none.
         forward_cam: (3,) what bearing zero means, as for the sectors.
         far_m: this far is yellow.
-        reasons: why nothing is believed, written at the top.
     """
     height, width = directions.shape[:2]
     bearing, depression = directions_to_polar(directions, up_cam, forward_cam)
@@ -71,11 +68,8 @@ def draw_ranges(
     drawn = _draw_contacts(drawn, edge, sector, found, far_m)
     if heading is not None:
         off = np.abs(bearing - heading.bearing_rad) * np.cos(depression)
-        drawn = tint(drawn, (off < line_rad) & ground, ABOVE_COLOUR, 0.9)
-    drawn = _with_labels(drawn, edge, sector, found)
-    for row, reason in enumerate(reasons):
-        paste(drawn, text_image(f"unknown: {reason}", LABEL_PX), LABEL_GAP_PX * row, 0)
-    return drawn
+        drawn = tint(drawn, (off < 1.5 * line_rad) & ground, HEADING_COLOUR, 0.95)
+    return _with_labels(drawn, edge, sector, found)
 
 
 def _sector_of(bearing: Floats, found: FreeDistances) -> NDArray[np.int64]:
@@ -98,12 +92,11 @@ def _draw_contacts(
     met = _by_pixel(found.outcome, sector, 0) == Outcome.OBSTACLE
     metres = np.nan_to_num(_by_pixel(found.distance_m, sector, 0.0), nan=0.0, posinf=far_m)
     band = np.clip(metres / far_m * _BANDS, 0, _BANDS - 1).astype(np.int64)
-    drawn = image
-    for index in range(_BANDS):
-        share = index / (_BANDS - 1)
-        near, far = np.array(OBSTACLE_COLOUR), np.array(HORIZON_COLOUR)
-        red, green, blue = (near + share * (far - near)).round().astype(int).tolist()
-        drawn = tint(drawn, edge & met & (band == index), (red, green, blue), 1.0)
+    share = (np.arange(_BANDS) / (_BANDS - 1))[:, None]
+    near, far = np.array(OBSTACLE_COLOUR), np.array(HORIZON_COLOUR)
+    colours = (near + share * (far - near)).round().astype(np.uint8)
+    drawn, shown = image.copy(), edge & met
+    drawn[shown] = colours[band[shown]]
     return drawn
 
 
@@ -112,9 +105,11 @@ def _with_labels(
 ) -> Image:
     """Metres under some contacts, as many as fit side by side."""
     drawn = image.copy()
+    lined_v, lined_u = np.nonzero(edge)
+    lined = sector[lined_v, lined_u]
     right_px = -LABEL_GAP_PX
     for index in np.flatnonzero((found.outcome == Outcome.OBSTACLE) & np.isfinite(found.distance_m)).tolist():
-        v, u = np.nonzero(edge & (sector == index))
+        u, v = lined_u[lined == index], lined_v[lined == index]
         if not len(u):
             continue
         text = ("" if found.contact_seen[index] else "<") + f"{found.distance_m[index]:.1f}"

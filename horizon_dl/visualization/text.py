@@ -18,15 +18,17 @@ def font(size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size=size_px)
 
 
+@lru_cache(maxsize=2048)
 def text_size(text: str, size_px: int) -> tuple[int, int]:
     """Width and height in pixels of a line of text."""
     left, _, right, _ = font(size_px).getbbox(text)
     return int(right - left) + 1, int(size_px * 1.3) + 1
 
 
-def text_image(text: str, size_px: int, colour: Colour = DARK) -> Image:
-    """(h, w, 3) uint8: a line of text on white, as large as it needs to be."""
-    canvas = PilImage.new("RGB", text_size(text, size_px), "white")
+@lru_cache(maxsize=512)
+def text_image(text: str, size_px: int, colour: Colour = DARK, ground: Colour = (255, 255, 255)) -> Image:
+    """(h, w, 3) uint8: a line of text, as large as it needs to be; not to be written into."""
+    canvas = PilImage.new("RGB", text_size(text, size_px), ground)
     ImageDraw.Draw(canvas).text((0, 0), text, font=font(size_px), fill=colour)
     return np.asarray(canvas, np.uint8)
 

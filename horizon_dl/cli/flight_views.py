@@ -1,0 +1,79 @@
+"""What `fly` shows and keeps of a flight: `--record`, and the viewers."""
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from horizon_dl.data.source import FrameSource
+    from horizon_dl.reporting.run_page import Page
+    from horizon_dl.runtime.flight_loop import Fly
+    from horizon_dl.runtime.hot_reload import FollowedModel
+    from horizon_dl.runtime.perception import Sighting
+    from horizon_dl.visualization.flight_view import FlightView
+
+
+def open_view(
+    arguments: argparse.Namespace,
+    source: "FrameSource",
+    flight: "Fly",
+    model: "FollowedModel",
+    sighting: "Sighting",
+) -> "FlightView | None":
+    """The flight's film, page and viewers on their thread; None where nothing was asked for."""
+    from horizon_dl.cli.viewers import open_viewers
+    from horizon_dl.errors import InputError
+    from horizon_dl.reporting.outputs import film_and_page
+    from horizon_dl.reporting.run_page import FILM
+    from horizon_dl.visualization.flight_view import FlightView
+    from horizon_dl.visualization.sink import Sink, Sinks
+
+    title = f"{arguments.model.name} over {source.name}"
+    sinks: list[Sink] = []
+    if arguments.record is not None:
+        if (arguments.record / FILM).exists():
+            raise InputError(arguments.record, "holds the film of an earlier flight", "give another --record")
+        try:
+            arguments.record.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            problem = f"cannot be written ({error.strerror})"
+            raise InputError(arguments.record, problem, "give another --record") from None
+        sinks += film_and_page(
+            arguments.record, source, title, lambda page: _lead(page, flight), lambda: _facts(flight)
+        )
+    sinks += open_viewers(arguments, title, lambda: status(flight))
+    if not sinks:
+        return None
+    view = FlightView(model, sighting, Sinks(sinks))
+    flight.on_look = view.look
+    return view
+
+
+def status(flight: "Fly") -> dict[str, Any]:
+    """The flight's figures now, in words."""
+    latency, period = flight.latencies.summary(), flight.periods.summary()
+    troubles = flight.watchdog.troubles()
+    rate = period["median_ms"]
+    return {
+        "watchdog": "ready" if not troubles else "unknown: " + ", ".join(troubles),
+        "messages a second": None if not rate else round(1000 / rate, 1),
+        "from image to message": None
+        if latency["median_ms"] is None
+        else f"median {latency['median_ms']:.0f} ms, 99 % in {latency['p99_ms']:.0f} ms",
+        "messages": f"{flight.sent} sent, {flight.unknown} of them unknown, {flight.unsent} did not leave",
+        "pictures": f"{flight.looked_at} looked at, {flight.without_attitude} without attitude",
+        "autopilot": f"{flight.autopilot.heartbeats} heartbeats",
+    }
+
+
+def _lead(page: "Page", flight: "Fly") -> str:
+    """What became of the flight."""
+    good = flight.sent - flight.unknown
+    share = good / flight.sent if flight.sent else 0.0
+    return (
+        f"The loop looked at {flight.looked_at} pictures and sent {flight.sent} messages; in {share:.0%} of "
+        f"them it could say where obstacles are. {page.frames} pictures were drawn."
+    )
+
+
+def _facts(flight: "Fly") -> list[tuple[str, str]]:
+    return [(name, str(value)) for name, value in status(flight).items() if value is not None]

@@ -1,0 +1,125 @@
+"""One frame ranged and a heading chosen: what a map means for a vehicle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.frame import Frame
+from horizon_dl.evidence.judge import Judge
+from horizon_dl.evidence.place import Place
+from horizon_dl.geometry.horizon import elevation
+from horizon_dl.geometry.polar import OPTICAL_AXIS, bearings_for, polar_view
+from horizon_dl.ranging.free_distance import (
+    FreeDistances,
+    Outcome,
+    free_distances_from_p,
+    no_distances,
+    p_of_entropy,
+)
+from horizon_dl.ranging.heading import Heading, free_heading
+from horizon_dl.runtime.prediction import Prediction
+
+Vector = NDArray[np.float64] | tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Vehicle:
+    """Half its width, how far a heading must be free, and what is far; m."""
+
+    radius_m: float
+    needed_m: float
+    far_m: float
+
+
+DRONE, CAR = Vehicle(0.3, 2.0, 10.0), Vehicle(1.0, 10.0, 30.0)
+
+
+@dataclass(frozen=True)
+class Ranged:
+    """What is known in each bearing of a frame, and where to go.
+
+    Attributes:
+        found: the sectors.
+        heading: the free heading nearest to straight ahead; None if there is none.
+        up_cam: (3,) the floor's normal in the optical frame.
+        vehicle: whose heading.
+        forward_cam: (3,) what bearing zero means.
+    """
+
+    found: FreeDistances
+    heading: Heading | None
+    up_cam: NDArray[np.float64]
+    vehicle: Vehicle = DRONE
+    forward_cam: Vector = OPTICAL_AXIS
+
+    @property
+    def has_metres(self) -> bool:
+        """Whether there are distances, not bearings alone."""
+        return bool(np.isfinite(self.found.distance_m).any())
+
+    def nearest(self) -> tuple[float, float] | None:
+        """Metres and bearing (rad) of the nearest obstacle; None where none has a distance."""
+        met = (self.found.outcome == Outcome.OBSTACLE) & np.isfinite(self.found.distance_m)
+        if not met.any():
+            return None
+        index = int(np.argmin(np.where(met, self.found.distance_m, np.inf)))
+        return float(self.found.distance_m[index]), float(self.found.bearing_rad[index])
+
+
+def range_frame(
+    frame: Frame,
+    directions: NDArray[np.float32],
+    p_above: NDArray[np.float32],
+    threshold: float,
+    place: Place | None = None,
+) -> Ranged | None:
+    """Distances per bearing, and the free heading nearest to the optical axis; None without an attitude.
+
+    By the rule of the flight and, where there are limits for it, with its evidence as far as one picture
+    has it: what is drawn as free is what would be sent as free.
+
+    Args:
+        frame: without a height there are bearings, but no metres. Where its floor's normal is known, it is
+            a car's.
+        directions: (h, w, 3) unit rays, optical frame.
+        p_above: (h, w) a learner's.
+        threshold: the learner's entropy threshold, bits.
+        place: limits for the evidence; None asks for none, as for nets that are not flown.
+
+    Returns:
+        None also where the camera looks straight up or down.
+    """
+    up_cam = frame.floor_normal
+    if frame.up_cam is None or up_cam is None or not np.isfinite(up_cam).all():
+        return None
+    try:
+        polar = polar_view(directions, up_cam, bearings=bearings_for(directions, OPTICAL_AXIS))
+    except ValueError:
+        return None
+    found = free_distances_from_p(p_above, polar, frame.height_m, floor_p=p_of_entropy(threshold))
+    if place is not None:
+        up = elevation(directions, frame.up_cam)
+        judge = Judge(frame.calibrated, place)
+        judged = judge.judge_picture(frame.time_s, frame.image, p_above, up, found, polar)
+        found = no_distances(found.bearing_rad) if judged.reasons else judged.found
+    return ranged(found, up_cam, DRONE if frame.floor_up_cam is None else CAR)
+
+
+def ranged(
+    found: FreeDistances,
+    up_cam: NDArray[np.float64],
+    vehicle: Vehicle = DRONE,
+    forward_cam: Vector = OPTICAL_AXIS,
+) -> Ranged:
+    """Sectors with the heading that they leave to a vehicle."""
+    heading = free_heading(found, 0.0, vehicle.radius_m, vehicle.needed_m)
+    return Ranged(found, heading, up_cam, vehicle, forward_cam)
+
+
+def ranges_of(frame: Frame, prediction: Prediction) -> Ranged | None:
+    """`range_frame` of a prediction; None without camera or attitude."""
+    if prediction.directions is None or np.isnan(prediction.view.elevation).all():
+        return None
+    measures, threshold = prediction.measures, prediction.threshold
+    return range_frame(frame, prediction.directions, measures.p_above, threshold, prediction.place)

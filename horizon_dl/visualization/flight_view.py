@@ -1,0 +1,45 @@
+"""What a flight looks at, handed to a sink without holding up the loop."""
+
+from horizon_dl.data.frame import Frame
+from horizon_dl.ranging.free_distance import FreeDistances
+from horizon_dl.runtime.hot_reload import FollowedModel
+from horizon_dl.runtime.model import Outputs
+from horizon_dl.runtime.perception import Sighting
+from horizon_dl.runtime.predict import of_outputs
+from horizon_dl.runtime.ranged import CAR, DRONE, ranged
+from horizon_dl.visualization.newest_only import NewestFirst
+from horizon_dl.visualization.sink import Sink
+
+Look = tuple[Frame, Outputs, FreeDistances, float]
+
+
+class FlightView:
+    """Takes a flight's frames as the loop sees them; a thread turns them into predictions for a sink.
+
+    Attributes:
+        slot: the thread and its slot; what a slow sink leaves is counted there.
+    """
+
+    def __init__(self, model: FollowedModel, sighting: Sighting, sink: Sink) -> None:
+        self._model, self._sighting, self._sink = model, sighting, sink
+        self.slot: NewestFirst[Look] = NewestFirst(self._take)
+
+    def look(self, frame: Frame, found: FreeDistances) -> None:
+        """A frame, with the attitude it was looked at with, and the sectors that are sent."""
+        if self._model.last is not None:
+            self.slot.put((frame, self._model.last, found, self._model.threshold))
+
+    def close(self) -> None:
+        """Show the last frame and close the sink."""
+        self.slot.close()
+        self._sink.close()
+
+    def _take(self, look: Look) -> None:
+        frame, outputs, found, threshold = look
+        prediction = of_outputs(frame, outputs, threshold, self._sighting.rays)
+        floor = frame.floor_normal
+        ranges = None
+        if floor is not None:
+            vehicle = DRONE if frame.floor_up_cam is None else CAR
+            ranges = ranged(found, floor, vehicle, self._sighting.forward_cam)
+        self._sink.log(frame, prediction, ranges)
