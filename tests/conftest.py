@@ -40,3 +40,11 @@ def model():
     from horizon_dl.runtime.model import ObstacleModel
 
     return ObstacleModel.load(model_file())
+
+
+@pytest.fixture
+def trusting(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Flights believe every frame: for models that look at no picture."""
+    from flat_model import TrustingJudge
+
+    monkeypatch.setattr("horizon_dl.runtime.perception.Judge", TrustingJudge)

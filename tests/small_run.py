@@ -18,6 +18,7 @@ from horizon_dl.export.export import Exported, export_run, trained_camera
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import image_tensor, sample_p_above
 from horizon_dl.models.fcn import enlarge
+from horizon_dl.training.evidence import evidence_card
 from horizon_dl.training.run_folder import Run, save_run
 from horizon_dl.uncertainty.measures import binary_entropy
 
@@ -47,6 +48,8 @@ def small_run() -> Run:
     """Trained by a loop of its own: what is tested here does not depend on how the library trains."""
     config = Config.model_validate(SETTINGS)
     views = [make_view(frame, config.image.max_pixels) for frame in toy_frames()]
+    recording = open_recording(toy_set())
+    all_views = [make_view(recording.read(index), config.image.max_pixels) for index in range(24)]
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
         net = build_net(config.model).train()
@@ -70,6 +73,7 @@ def small_run() -> Run:
         "train_s": 1.0,
         "threshold": float(np.percentile(entropies, 75)),
         "threshold_rule": "percentile-75",
+        "evidence": evidence_card(net, ((view.image, view.elevation) for view in all_views)),
     }
     return Run(net, config, info)
 

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from numpy.typing import ArrayLike, NDArray
 
 os.environ["MAVLINK20"] = "1"
+from flat_model import ANY_PLACE
 from pymavlink.dialects.v20 import common
 
 from horizon_dl.data.capture.newest import NewestFrame
@@ -36,6 +37,8 @@ from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
 from horizon_dl.vehicle.telemetry import Autopilot, height_of
 from horizon_dl.vehicle.transport import UdpIn, UdpOut, open_transport
 
+pytestmark = pytest.mark.usefixtures("trusting")
+
 CAMERA = Camera("pinhole", 80, 60, 60.0, 60.0, 39.5, 29.5)
 MOUNT = (0.0, math.radians(-15), 0.0)
 LEVEL = quaternion_from_rpy(0.0, 0.0, 0.0)
@@ -50,6 +53,7 @@ class WallModel:
 
     camera = CAMERA
     threshold = 0.5
+    place = ANY_PLACE
 
     def __init__(self) -> None:
         self.fails = False

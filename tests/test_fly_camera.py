@@ -35,6 +35,8 @@ from horizon_dl.runtime.perception import Sighting
 from horizon_dl.vehicle.mavlink import Link
 from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
 
+pytestmark = pytest.mark.usefixtures("trusting")
+
 CAMERA = Camera("pinhole", 32, 24, 30.0, 30.0, 15.5, 11.5)
 MOUNT = (0.0, math.radians(-25), 0.0)
 KEY = bytes(range(32))

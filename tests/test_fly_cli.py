@@ -24,6 +24,8 @@ from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.model import ObstacleModel
 
+pytestmark = pytest.mark.usefixtures("trusting")
+
 
 def parsed(*arguments: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
@@ -42,7 +44,7 @@ def flight(tmp_path: Path) -> Path:
 @pytest.fixture
 def model(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     camera = open_recording(flight).camera
-    monkeypatch.setattr(ObstacleModel, "load", lambda path, threads: FlatModel(camera))
+    monkeypatch.setattr(ObstacleModel, "load", lambda *_: FlatModel(camera))
 
 
 def test_a_replay_reaches_the_peer(flight: Path, model: None, tmp_path: Path, capsys: Any) -> None:
@@ -120,7 +122,7 @@ def test_a_camera_needs_its_mount_and_the_autopilots_attitude() -> None:
 
 def test_another_camera_than_the_models_is_one_line(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     other = Camera("pinhole", 64, 48, 60.0, 60.0, 31.5, 23.5)
-    monkeypatch.setattr(ObstacleModel, "load", lambda path, threads: FlatModel(other))
+    monkeypatch.setattr(ObstacleModel, "load", lambda *_: FlatModel(other))
     with pytest.raises(InputError, match="another camera"):
         fly.run(parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:9"))
 

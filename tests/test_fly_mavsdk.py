@@ -23,6 +23,8 @@ from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM, MessageShape, dista
 from horizon_dl.vehicle.telemetry import Autopilot
 from horizon_dl.vehicle.transport import UdpIn
 
+pytestmark = pytest.mark.usefixtures("trusting")
+
 
 class Recorded(Link):
     """A link that keeps what the loop gave it to send."""

@@ -393,8 +393,9 @@ def test_a_model_written_by_the_learner_is_taken_over_while_it_learns(toy, tmp_p
     learner = threading.Thread(target=lambda: (again.run(), again.finish()))
     learner.start()
     one = open_recording(toy).read(0)
-    predictions = 0
+    predictions, end_s = 0, time.monotonic() + 300
     while learner.is_alive() or model.taken_over == 0:
+        assert time.monotonic() < end_s, model.problem
         assert np.isfinite(model.predict(one.image, one.up_cam).entropy).all()
         predictions += 1
         time.sleep(0.002)

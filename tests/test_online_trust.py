@@ -17,18 +17,12 @@ from horizon_dl.cli import main
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError
+from horizon_dl.evidence.exposure import exposure_problem
+from horizon_dl.evidence.motion import contradicts, tilt_between, turn_rad, turned_sketch
+from horizon_dl.evidence.sketch import difference, same_picture, sketch_of
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.inspection.image_motion import (
-    contradicts,
-    difference,
-    same_picture,
-    sketch_of,
-    tilt_between,
-    turn_rad,
-    turned_sketch,
-)
-from horizon_dl.online.guard import Distrust, StreamGuard, exposure_problem
+from horizon_dl.online.guard import Distrust, StreamGuard
 from horizon_dl.training.checkpoint import Snapshot
 
 CAMERA = Camera("pinhole", 96, 72, 80.0, 80.0, 47.5, 35.5)

@@ -90,7 +90,9 @@ def run(arguments: argparse.Namespace) -> None:
     import time
 
     from horizon_dl.cli.flight_views import open_view
+    from horizon_dl.errors import InputError
     from horizon_dl.output import write_json
+    from horizon_dl.runtime.acceptance import not_airworthy
     from horizon_dl.runtime.flight_loop import Fly
     from horizon_dl.runtime.hot_reload import FollowedModel
     from horizon_dl.runtime.perception import Sighting
@@ -98,10 +100,15 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.runtime.signature import read_verifier
     from horizon_dl.vehicle.mavlink import open_link
 
+    if arguments.out is not None and arguments.out.is_dir():
+        raise InputError(f"--out {arguments.out}", "is a folder", "name a file, such as flight.json")
     source = _source(arguments)
     settings = _settings(arguments, source)
     trusted = None if arguments.trust is None else read_verifier(arguments.trust)
     model = FollowedModel.load(arguments.model, arguments.threads, trusted)
+    problem = not_airworthy(model.current)
+    if problem is not None:
+        raise InputError(arguments.model, problem, "train longer and export again")
     if source.camera is not None:
         check_camera(model.current, source.camera, arguments.camera or source.name)
     frames = arguments.filter or (1 if settings.recorded_attitude else 3)
@@ -153,6 +160,7 @@ def _has_attitude(source: "FrameSource", arguments: argparse.Namespace) -> bool:
 
 def _settings(arguments: argparse.Namespace, source: "FrameSource") -> "FlySettings":
     from horizon_dl.errors import InputError
+    from horizon_dl.evidence.limits import LIMITS
     from horizon_dl.geometry.polar import LEVEL_UP, level_axes
     from horizon_dl.runtime.flight_loop import FlySettings
     from horizon_dl.runtime.perception import forward_in_camera
@@ -188,8 +196,11 @@ def _settings(arguments: argparse.Namespace, source: "FrameSource") -> "FlySetti
         raise InputError(
             "--min-distance, --max-distance", "make no interval", "take for example 0.2 and 10"
         ) from None
-    if arguments.height is not None and not 0 < arguments.height < 1000:
-        raise InputError(f"--height {arguments.height:g}", "is no height in metres", "take 0 to 1000")
+    if arguments.height is not None and not LIMITS.height_m[0] <= arguments.height <= LIMITS.height_m[1]:
+        least, most = LIMITS.height_m
+        raise InputError(
+            f"--height {arguments.height:g}", "is no height in metres", f"take {least:g} to {most:g}"
+        )
     mount = source.mount_rpy_rad or (0.0, 0.0, 0.0)
     try:
         level_axes(LEVEL_UP, forward_in_camera(mount))
@@ -219,7 +230,7 @@ def _frames(arguments: argparse.Namespace, source: "FrameSource") -> "Iterator[F
     return source.frames()
 
 
-def _say(figures: dict[str, dict[str, Any]]) -> None:
+def _say(figures: dict[str, Any]) -> None:
     messages, latency, pictures = figures["messages"], figures["latency"], figures["pictures"]
     print(f"looked at {pictures['looked_at']} pictures, sent {messages['sent']} messages", end="")
     print(f" ({messages['unknown']} of them unknown, {messages['unsent']} did not leave)")
@@ -227,6 +238,17 @@ def _say(figures: dict[str, dict[str, Any]]) -> None:
         print(
             f"from image to message: median {latency['median_ms']:.0f} ms, 99 % in {latency['p99_ms']:.0f} ms"
         )
+    doubts = {why: n for why, n in figures["evidence"]["frames"].items() if why != "believed"}
+    if doubts:
+        print("not believed: " + ", ".join(f"{why} ({n})" for why, n in sorted(doubts.items())))
+    taken = {why: n for why, n in figures["evidence"]["sectors"].items() if why != "believed"}
+    if taken:
+        print("sectors taken back: " + ", ".join(f"{why} ({n})" for why, n in sorted(taken.items())))
+    if figures["other_autopilots"] and not figures["heartbeats"]:
+        print(f"the autopilot heard is system {figures['other_autopilots'][0]}: give it with --system")
+    rate_hz = figures["attitudes_hz"]
+    if rate_hz is not None and rate_hz < 10 and pictures["without_attitude"]:
+        print(f"attitudes came {rate_hz:.1f} times a second; set the autopilot's stream to 10 or more")
     if figures["model"]["taken_over"]:
         print(f"took over {figures['model']['taken_over']} fresh model files in flight")
     if figures["model"]["refused"]:

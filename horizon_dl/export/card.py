@@ -15,6 +15,7 @@ from horizon_dl.models.features import FEATURE_NAMES
 from horizon_dl.models.forest import HorizonForest
 from horizon_dl.provenance import versions
 from horizon_dl.runtime.model import camera_from_card
+from horizon_dl.training.evidence import place_of
 from horizon_dl.training.run_folder import Run, weights
 
 KIND = "horizon-dl obstacle model"
@@ -86,6 +87,7 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
         "trained_camera": camera_is_trained(info, camera),
         "trained_with": info.get("versions"),
         "weights_sha256": weights_hash(run),
+        "evidence": evidence_for(run, camera),
         **_common(config, camera, run.threshold, info.get("threshold_rule")),
     }
 
@@ -137,6 +139,18 @@ def _common(config: Config, camera: Camera, threshold: float, rule: str | None) 
         "licence": LICENCE,
         "patents": PATENTS,
     }
+
+
+def evidence_for(run: Run, camera: Camera) -> dict[str, Any] | None:
+    """The limits of the training pictures for another camera's; None for a run of before they were kept."""
+    place, max_pixels = place_of(run.info, "run.json"), run.config.image.max_pixels
+    if place is None:
+        return None
+    trained = camera_from_card(run.info) if "camera" in run.info else camera
+    same = working_size(camera.width, camera.height, max_pixels) == working_size(
+        trained.width, trained.height, max_pixels
+    )
+    return (place if same else place.at_another_size()).to_card()
 
 
 def camera_is_trained(info: dict[str, Any], camera: Camera) -> bool:

@@ -14,6 +14,7 @@ from horizon_dl.data.frame import FrameHeader, has_attitude
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View, make_view
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.evidence.sketch import luma
 from horizon_dl.geometry.camera import working_size
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.findings import with_findings
@@ -21,7 +22,6 @@ from horizon_dl.inspection.image_quality import (
     PictureStatistics,
     TruthStatistics,
     exposure,
-    luma,
     picture_statistics,
     truth_counts,
     truth_statistics,

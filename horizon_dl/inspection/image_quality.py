@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame, Truth
+from horizon_dl.evidence.exposure import exposure_problem
+from horizon_dl.evidence.reason import Reason
+from horizon_dl.evidence.sketch import luma, same_picture, sketch_of
 from horizon_dl.geometry.horizon import elevation
-
-DARK_LEVEL, BRIGHT_LEVEL = 20, 250
-LUMA = np.array([0.299, 0.587, 0.114], np.float32)
 
 
 @dataclass(frozen=True)
@@ -18,16 +18,12 @@ class PictureStatistics:
     """One image at the working size.
 
     Attributes:
-        dark: share of the pixels darker than level 20 of 255.
-        bright: share of the pixels at 250 or over.
-        contrast: standard deviation of the levels.
+        problem: why the exposure shows nothing, or None.
         sharpness: mean absolute Laplacian over the contrast; falls with motion blur.
         frozen: whether the image equals the one right before it.
     """
 
-    dark: float
-    bright: float
-    contrast: float
+    problem: Reason | None
     sharpness: float
     frozen: bool
 
@@ -60,11 +56,6 @@ class TruthStatistics:
     floor_above_horizon: float
 
 
-def luma(image: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """(h, w) float32 brightness in [0, 255] of an RGB image."""
-    return np.asarray(image.astype(np.float32) @ LUMA, np.float32)
-
-
 def picture_statistics(image: NDArray[np.uint8], previous: NDArray[np.uint8] | None) -> PictureStatistics:
     """Statistics of an (h, w, 3) image; `previous` is the image right before it where that was read, too."""
     level = luma(image)
@@ -73,11 +64,9 @@ def picture_statistics(image: NDArray[np.uint8], previous: NDArray[np.uint8] | N
     )
     contrast = float(level.std())
     return PictureStatistics(
-        dark=float((level < DARK_LEVEL).mean()),
-        bright=float((level >= BRIGHT_LEVEL).mean()),
-        contrast=contrast,
+        problem=exposure_problem(level),
         sharpness=float(np.abs(laplacian).mean()) / max(contrast, 1.0) if laplacian.size else 0.0,
-        frozen=previous is not None and np.array_equal(image, previous),
+        frozen=previous is not None and same_picture(sketch_of(image), sketch_of(previous)),
     )
 
 
@@ -95,9 +84,9 @@ def exposure(
         return None
     sharpness = np.array([picture.sharpness for picture in pictures])
     return Exposure(
-        too_dark=_share([picture.dark > 0.7 for picture in pictures]),
-        overexposed=_share([picture.bright > 0.4 for picture in pictures]),
-        without_contrast=_share([picture.contrast < 6.0 for picture in pictures]),
+        too_dark=_share([picture.problem is Reason.DARK for picture in pictures]),
+        overexposed=_share([picture.problem is Reason.BRIGHT for picture in pictures]),
+        without_contrast=_share([picture.problem is Reason.FLAT for picture in pictures]),
         frozen=sum(picture.frozen for picture in pictures) / max(followers, 1),
         blurred=float((sharpness < 0.4 * np.median(sharpness)).mean()),
         median_level=float(np.median(levels)),

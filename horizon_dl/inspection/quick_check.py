@@ -6,9 +6,10 @@ import numpy as np
 
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.evidence.sketch import luma
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.findings import QUICK_RULES, with_findings
-from horizon_dl.inspection.image_quality import PictureStatistics, exposure, luma, picture_statistics
+from horizon_dl.inspection.image_quality import PictureStatistics, exposure, picture_statistics
 from horizon_dl.inspection.timing_and_attitude import attitudes, label_statistics, timing
 
 MOST_IMAGES, MOST_HEADERS = 12, 300

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from horizon_dl.data.capture.newest import NewestFrame
 from horizon_dl.data.frame import Frame
 from horizon_dl.errors import FrameError
+from horizon_dl.evidence.plausible import HeightWatch
+from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation, up_in_camera
 from horizon_dl.ranging.free_distance import FreeDistances
 from horizon_dl.runtime.latency import Latencies
@@ -24,6 +26,10 @@ from horizon_dl.runtime.watchdog import Clock, Watchdog
 from horizon_dl.vehicle.mavlink import INFO, WARNING, Link
 from horizon_dl.vehicle.obstacle_distance import MessageShape, distances_cm
 from horizon_dl.vehicle.telemetry import Autopilot
+
+MOST_TAKEN = 0.1
+"""With more than this share of the sectors taken back for want of evidence the pilot is told."""
+LEAST_ATTITUDES_HZ = 8.0
 
 
 @dataclass(frozen=True)
@@ -49,6 +55,7 @@ class FlySettings:
 class _Sighted:
     time_s: float
     found: FreeDistances | None
+    doubted: bool = False
 
 
 class Fly:
@@ -61,6 +68,7 @@ class Fly:
         periods: between messages.
         sent: messages that have left; `unsent` could not.
         unknown: messages that said "unknown" because of the watchdog.
+        doubted: messages that said "unknown" because the newest frame showed no evidence.
         without_attitude: pictures for whose time there was none; an autopilot has to send 10 a second.
         on_look: told every frame that was looked at, with the sectors; it must not take long.
     """
@@ -68,13 +76,14 @@ class Fly:
     def __init__(
         self, sighting: Sighting, link: Link, settings: FlySettings, clock: Clock = time.monotonic
     ) -> None:
-        self.watchdog = Watchdog(clock)
+        self.watchdog = Watchdog(clock, hint=self._attitude_hint)
         self.autopilot = Autopilot(clock, self.watchdog.attitude)
         self.latencies, self.periods = Latencies(), Latencies()
-        self.sent = self.unsent = self.unknown = self.looked_at = self.without_attitude = 0
+        self.sent = self.unsent = self.unknown = self.looked_at = self.without_attitude = self.doubted = 0
         self.pictures_seen = self.pictures_skipped = 0
         self._sighting, self._link, self._settings, self._clock = sighting, link, settings, clock
         self._newest = _Sighted(-np.inf, None)
+        self._height = HeightWatch()
         self._reported_s = -np.inf
         self.on_look: Callable[[Frame, FreeDistances], None] | None = None
         self._stop = threading.Event()
@@ -139,15 +148,26 @@ class Fly:
             self._newest = _Sighted(frame.time_s, None)
             return
         up_cam, yaw_rad, height_m = pose
+        doubts: tuple[Reason, ...] = ()
+        if height_m is not None and not self._height.good(frame.time_s, height_m):
+            doubts, height_m = (Reason.HEIGHT,), None
         floor = frame.floor_up_cam if self._settings.recorded_attitude else None
         try:
-            found = self._sighting.look(frame.time_s, frame.image, up_cam, yaw_rad, height_m, floor)
+            found = self._sighting.look(
+                frame.time_s, frame.image, up_cam, yaw_rad, height_m, floor, doubts=doubts
+            )
         except Exception as error:  # onnxruntime raises kinds of its own; flying on blind would be worse
             self.watchdog.model_failed(type(error).__name__)
             self._newest = _Sighted(frame.time_s, None)
             return
         self.looked_at += 1
-        self._newest = _Sighted(frame.time_s, found)
+        judged = self._sighting.judged
+        self._newest = _Sighted(frame.time_s, found, judged is not None and bool(judged.reasons))
+        if judged is not None:
+            few = MOST_TAKEN * len(found.outcome)
+            self.watchdog.doubt(
+                judged.reasons or (why for why, count in judged.sectors.items() if count > few)
+            )
         self.watchdog.result(frame.time_s)
         if self.on_look is not None:
             seen = replace(frame, up_cam=up_cam, height_m=height_m, floor_up_cam=floor, yaw_rad=yaw_rad)
@@ -159,12 +179,14 @@ class Fly:
         if self.watchdog.troubles():
             self.unknown += 1
             return distances_cm(None, self._settings.shape)
+        self.doubted += newest.doubted
         return distances_cm(newest.found, self._settings.shape)
 
     def summary(self) -> dict[str, Any]:
         """Figures of the flight so far, ready for JSON."""
         return {
             "messages": {"sent": self.sent, "unsent": self.unsent, "unknown": self.unknown},
+            "evidence": {**self._sighting.judge.summary(), "doubted_messages": self.doubted},
             "latency": self.latencies.summary(),
             "period": self.periods.summary(),
             "pictures": {
@@ -176,6 +198,8 @@ class Fly:
             "filter_delay_s": self._sighting.filter.delay_s,
             "received": dict(self._link.counts),
             "heartbeats": self.autopilot.heartbeats,
+            "attitudes_hz": self.autopilot.buffer.rate_hz,
+            "other_autopilots": sorted(self._link.strangers),
         }
 
     def _pose(self, frame: Frame) -> tuple[NDArray[np.float64], float, float | None] | None:
@@ -192,6 +216,15 @@ class Fly:
         yaw_rad = rpy_from_rotation(rotation_from_quaternion(attitude))[2]
         height_m = self.autopilot.buffer.height_at(frame.time_s) if fixed_m is None else fixed_m
         return up_in_camera(attitude, self._settings.mount_rpy_rad), yaw_rad, height_m
+
+    def _attitude_hint(self) -> str:
+        """What is known of why no attitude comes."""
+        rate_hz = self.autopilot.buffer.rate_hz
+        if rate_hz is not None and rate_hz < LEAST_ATTITUDES_HZ:
+            return f"attitude {rate_hz:.0f} Hz, needs 10"
+        if not self.autopilot.heartbeats and self._link.strangers:
+            return f"autopilot is system {min(self._link.strangers)}"
+        return ""
 
     def _guarded(self, target: Callable[[], None]) -> None:
         """A thread that dies must not go unnoticed: the flight ends and says why."""
@@ -228,4 +261,5 @@ class Fly:
             self._reported_s = newest.time_s
         line = self.watchdog.to_say()
         if line is not None:
-            self._link.send_text(line, WARNING if self.watchdog.troubles() else INFO)
+            good = not (self.watchdog.troubles() or self.watchdog.doubts())
+            self._link.send_text(line, INFO if good else WARNING)

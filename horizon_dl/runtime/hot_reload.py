@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from horizon_dl.errors import InputError
+from horizon_dl.runtime.acceptance import not_airworthy
 from horizon_dl.runtime.model import ObstacleModel, Outputs
 from horizon_dl.runtime.signature import Verifier
 
@@ -18,12 +19,13 @@ class FollowedModel:
     """An `ObstacleModel` that looks at every prediction whether its file was replaced.
 
     The new file is loaded in a thread while the old one predicts, and takes over between two frames: no frame
-    waits, none is dropped. A file that is damaged, or made for another camera or size, is refused, and the
-    old one flies on.
+    waits, none is dropped. A file that is damaged, made for another camera or size, or not to be flown (see
+    `acceptance`) is refused, and the old one flies on.
 
     Attributes:
         current: the model that predicted last.
         camera: of the upright images it takes; the same for all files.
+        place: what the training pictures of the current model were like.
         threshold: entropy above which a pixel is an obstacle, bits; of the current model.
         taken_over: how often a fresh file took over.
         refused: files that were not taken.
@@ -81,10 +83,14 @@ class FollowedModel:
 
     def _take(self, model: ObstacleModel) -> None:
         self.current, self.camera, self.threshold = model, model.camera, model.threshold
+        self.place = model.place
 
     def _load(self) -> None:
         try:
             fresh = ObstacleModel.load(self._path, self._threads, self._trusted)
+            problem = not_airworthy(fresh)
+            if problem is not None:
+                raise InputError(self._path, problem, "the old one flies on")
             if (fresh.camera, fresh.size) != (self.camera, self.current.size):
                 raise InputError(
                     self._path, "was exported for another camera or size", "the old one flies on"

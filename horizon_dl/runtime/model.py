@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from horizon_dl.errors import InputError, shortened
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.runtime.acceptance import checked_place, checked_size, checked_threshold, smoke_test
 from horizon_dl.runtime.checksum import read_sealed
 from horizon_dl.runtime.signature import Verifier
 
@@ -58,6 +59,7 @@ class ObstacleModel:
     Attributes:
         card: what the file says of itself; its keys are described in `exports/README.md`.
         camera: of the upright images it takes.
+        place: what its training pictures were like; None in files of before that was kept.
         size: (w, h), the working size.
         threshold: entropy above which a pixel is an obstacle, bits.
         sha256: the file's hash, as in its seal.
@@ -73,12 +75,15 @@ class ObstacleModel:
         self.card = card
         self.sha256 = sha256
         self.camera = camera_from_card(card)
-        self.size: tuple[int, int] = (card["working_size"][0], card["working_size"][1])
-        self.threshold = float(card["threshold"]["value"])
+        self.place = checked_place(card)
+        self.size = checked_size(card)
+        self.threshold = checked_threshold(card)
 
     @classmethod
     def load(cls, path: str | Path, threads: int = 1, trusted: Verifier | None = None) -> "ObstacleModel":
-        """Check a file's seal and make it ready; nothing in it is executed but its ONNX operators.
+        """Check a file's seal, make it ready and try it on made-up pictures.
+
+        Nothing in it is executed but its ONNX operators.
 
         Args:
             path: of the file.
@@ -104,6 +109,13 @@ class ObstacleModel:
         )
         if names != (INPUTS, OUTPUTS):
             raise InputError(path, "has other inputs or outputs than expected", "export it again")
+        try:
+            wrong = smoke_test(model)
+        except Exception as error:  # onnxruntime again, or a card of another size than the graph
+            said = next(iter(str(error).splitlines()), type(error).__name__)
+            wrong = f"cannot be run ({shortened(said, 200)})"
+        if wrong is not None:
+            raise InputError(path, wrong, "train longer, or export it again")
         return model
 
     def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Outputs:

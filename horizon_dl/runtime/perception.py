@@ -7,6 +7,9 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from horizon_dl.evidence.judge import Judge, Judged
+from horizon_dl.evidence.place import Place
+from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, bearings_for, polar_view
@@ -19,6 +22,7 @@ class PictureModel(Protocol):
 
     camera: Camera
     threshold: float
+    place: Place | None
 
     def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Any:
         """An object with `p_above` and `elevation`, (h, w) each."""
@@ -51,6 +55,9 @@ class Sighting:
         forward_cam: the body's forward axis in the optical frame.
         bearings: sectors, zero is the body's forward direction.
         filter: joins the last frames.
+        judge: asks for the evidence of every frame.
+        judged: the last frame, before the filter.
+        ranged: the same before evidence was asked for.
         connected_only: leave out obstacles that do not reach the horizon.
     """
 
@@ -59,13 +66,17 @@ class Sighting:
     forward_cam: NDArray[np.float64]
     bearings: Bearings
     filter: SectorFilter
+    judge: Judge
     connected_only: bool = False
+    judged: Judged | None = None
+    ranged: FreeDistances | None = None
 
     @classmethod
     def of(cls, model: PictureModel, mount_rpy_rad: Sequence[float], frames: int = 3) -> "Sighting":
         """Everything that does not change during a flight."""
         rays, forward_cam = model_rays(model), forward_in_camera(mount_rpy_rad)
-        return cls(model, rays, forward_cam, bearings_for(rays, forward_cam), SectorFilter(frames))
+        judge = Judge(model.camera, model.place)
+        return cls(model, rays, forward_cam, bearings_for(rays, forward_cam), SectorFilter(frames), judge)
 
     def unknown(self) -> FreeDistances:
         """What holds of a picture without attitude."""
@@ -79,6 +90,7 @@ class Sighting:
         yaw_rad: float,
         height_m: float | None,
         floor_up_cam: NDArray[np.float64] | None = None,
+        doubts: tuple[Reason, ...] = (),
     ) -> FreeDistances:
         """Sectors of one picture, joined with those before.
 
@@ -89,18 +101,25 @@ class Sighting:
             yaw_rad: of the body; only differences between pictures count.
             height_m: of the camera over the floor, or None: bearings only.
             floor_up_cam: (3,) the floor's normal where it differs from `up_cam`.
+            doubts: why the frame is not to be believed, known beforehand.
         """
-        p_above = self.model.predict(image, up_cam).p_above
+        self.judged = self.ranged = None
+        outputs = self.model.predict(image, up_cam)
         floor = up_cam if floor_up_cam is None else floor_up_cam
         try:
             polar = polar_view(self.rays, floor, self.forward_cam, self.bearings)
         except ValueError:  # the body points straight up or down: no bearing means anything
             return self.unknown()
         found = free_distances_from_p(
-            p_above,
+            outputs.p_above,
             polar,
             height_m,
             floor_p=p_of_entropy(self.model.threshold),
             connected_only=self.connected_only,
         )
-        return self.filter.add(time_s, yaw_rad, found)
+        self.judge.place = self.model.place  # a fresh file brings its own
+        self.ranged = found
+        self.judged = self.judge.judge(
+            time_s, image, up_cam, outputs.p_above, outputs.elevation, found, polar, doubts=doubts
+        )
+        return self.filter.add(time_s, yaw_rad, self.judged.found)

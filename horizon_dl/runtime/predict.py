@@ -1,6 +1,6 @@
 """A model file on a data set or on plain pictures, without torch."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from math import isclose
 from pathlib import Path
 
@@ -46,7 +46,7 @@ class FilePredictor:
             problem = f"is {theirs} pixels, the model takes {_size(model.camera)}"
             raise FrameError(frame.name, problem, "export for this size with `horizon-dl export RUN --size`")
         found = model.predict(frame.image, frame.up_cam if has_attitude(frame) else None)
-        return of_outputs(frame, found, model.threshold, self._rays)
+        return replace(of_outputs(frame, found, model.threshold, self._rays), place=model.place)
 
 
 def of_outputs(frame: Frame, found: Outputs, threshold: float, directions: NDArray[np.float32]) -> Prediction:

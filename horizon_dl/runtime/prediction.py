@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View
+from horizon_dl.evidence.place import Place
 from horizon_dl.uncertainty.measures import Measures
 from horizon_dl.uncertainty.obstacle_map import obstacle_map
 
@@ -26,6 +27,7 @@ class Prediction:
         threshold: above which the score is an obstacle, in its unit.
         obstacles: the score over the threshold, lone pixels removed.
         directions: (h, w, 3) unit rays, optical frame, NaN where not valid; None without a camera.
+        place: limits for the evidence of free sectors; None where the model has none.
     """
 
     view: View
@@ -33,6 +35,7 @@ class Prediction:
     threshold: float
     obstacles: NDArray[np.bool_]
     directions: NDArray[np.float32] | None = None
+    place: Place | None = None
 
     @classmethod
     def of(

@@ -6,8 +6,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame
+from horizon_dl.evidence.judge import Judge
+from horizon_dl.evidence.place import Place
+from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import OPTICAL_AXIS, bearings_for, polar_view
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome, free_distances_from_p, p_of_entropy
+from horizon_dl.ranging.free_distance import (
+    FreeDistances,
+    Outcome,
+    free_distances_from_p,
+    no_distances,
+    p_of_entropy,
+)
 from horizon_dl.ranging.heading import Heading, free_heading
 from horizon_dl.runtime.prediction import Prediction
 
@@ -59,9 +68,16 @@ class Ranged:
 
 
 def range_frame(
-    frame: Frame, directions: NDArray[np.float32], p_above: NDArray[np.float32], threshold: float
+    frame: Frame,
+    directions: NDArray[np.float32],
+    p_above: NDArray[np.float32],
+    threshold: float,
+    place: Place | None = None,
 ) -> Ranged | None:
     """Distances per bearing, and the free heading nearest to the optical axis; None without an attitude.
+
+    By the rule of the flight and, where there are limits for it, with its evidence as far as one picture
+    has it: what is drawn as free is what would be sent as free.
 
     Args:
         frame: without a height there are bearings, but no metres. Where its floor's normal is known, it is
@@ -69,6 +85,7 @@ def range_frame(
         directions: (h, w, 3) unit rays, optical frame.
         p_above: (h, w) a learner's.
         threshold: the learner's entropy threshold, bits.
+        place: limits for the evidence; None asks for none, as for nets that are not flown.
 
     Returns:
         None also where the camera looks straight up or down.
@@ -81,6 +98,11 @@ def range_frame(
     except ValueError:
         return None
     found = free_distances_from_p(p_above, polar, frame.height_m, floor_p=p_of_entropy(threshold))
+    if place is not None:
+        up = elevation(directions, frame.up_cam)
+        judge = Judge(frame.calibrated, place)
+        judged = judge.judge_picture(frame.time_s, frame.image, p_above, up, found, polar)
+        found = no_distances(found.bearing_rad) if judged.reasons else judged.found
     return ranged(found, up_cam, DRONE if frame.floor_up_cam is None else CAR)
 
 
@@ -99,4 +121,5 @@ def ranges_of(frame: Frame, prediction: Prediction) -> Ranged | None:
     """`range_frame` of a prediction; None without camera or attitude."""
     if prediction.directions is None or np.isnan(prediction.view.elevation).all():
         return None
-    return range_frame(frame, prediction.directions, prediction.measures.p_above, prediction.threshold)
+    measures, threshold = prediction.measures, prediction.threshold
+    return range_frame(frame, prediction.directions, measures.p_above, threshold, prediction.place)

@@ -1,12 +1,15 @@
 """Says whether the sectors may be believed; pure, its clock is the caller's."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 Clock = Callable[[], float]
 
 STALE_S = 0.3
 REPEAT_S = 5.0
+REASONS_LENGTH = 31
+DOUBT_S = 2.0
+"""A doubt is said for so long after the last frame that raised it: what flickers is not said anew."""
 
 
 @dataclass
@@ -19,6 +22,7 @@ class Watchdog:
         clock: monotonic seconds.
         stale_s: oldest picture, attitude or result that still counts.
         repeat_s: how often a trouble that lasts is said again.
+        hint: says more of a stale attitude, where more is known; short.
 
     Example:
         >>> now = [0.0]
@@ -34,10 +38,12 @@ class Watchdog:
     clock: Clock
     stale_s: float = STALE_S
     repeat_s: float = REPEAT_S
+    hint: Callable[[], str] = str
     _camera_s: float | None = None
     _attitude_s: float | None = None
     _result_s: float | None = None
     _model_error: str = ""
+    _doubts_s: dict[str, float] = field(default_factory=dict)
     _said: tuple[str, ...] | None = None
     _said_s: float = field(default=0.0)
 
@@ -58,30 +64,54 @@ class Watchdog:
         """The model raised an error; it holds until the next result."""
         self._model_error = error
 
+    def doubt(self, reasons: Iterable[str]) -> None:
+        """Why the newest frame, or some of its sectors, are not believed; said to the pilot."""
+        self._doubts_s.update({str(reason): self.clock() for reason in reasons})
+
+    def doubts(self) -> tuple[str, ...]:
+        """Reasons of the last two seconds, the newest last."""
+        now = self.clock()
+        newest = list(self._doubts_s.items())  # a copy: another thread adds to it
+        return tuple(reason for reason, since_s in newest if now - since_s <= DOUBT_S)
+
     def troubles(self) -> tuple[str, ...]:
         """What is wrong now, most basic first; empty if the newest sectors may be believed."""
         found = []
         if self._stale(self._camera_s):
             found.append("camera stale")
         if self._stale(self._attitude_s):
-            found.append("attitude stale")
+            found.append(self.hint() or "attitude stale")
         if self._model_error:
             found.append(f"model failed: {self._model_error}")
         elif not found and self._stale(self._result_s):
-            found.append("results stale")
+            found.append(self.hint() or "results stale")
         return tuple(found)
 
     def to_say(self) -> str | None:
         """The line that is due now for the pilot: on every change, and again while a trouble lasts."""
-        troubles, now = self.troubles(), self.clock()
+        troubles, now = self.troubles() or self.doubts(), self.clock()
         changed = troubles != self._said
         if not changed and not (troubles and now - self._said_s >= self.repeat_s):
             return None
         first_and_good = self._said is None and not troubles
         self._said, self._said_s = troubles, now
         if troubles:
-            return "Obstacles unknown: " + ", ".join(troubles)
+            return "Obstacles unknown: " + fitting(troubles)
         return "Obstacles: ready" if first_and_good else "Obstacles: recovered"
 
     def _stale(self, time_s: float | None) -> bool:
         return time_s is None or self.clock() - time_s > self.stale_s
+
+
+def fitting(reasons: Sequence[str]) -> str:
+    """As many reasons as a STATUSTEXT holds whole behind "Obstacles unknown: "; the first in any case.
+
+    Example:
+        >>> fitting(("net is wrong about horizon", "unfamiliar picture"))
+        'net is wrong about horizon'
+    """
+    text = reasons[0]
+    for reason in reasons[1:]:
+        if len(text) + len(reason) + 2 <= REASONS_LENGTH:
+            text = f"{text}, {reason}"
+    return text

@@ -3,6 +3,8 @@
 The net judges at a quarter of the image's size, and diffusion at half the size takes a quarter of the time.
 """
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,7 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.targets.targets import make_target
 from horizon_dl.training.crops import TrainingFrame
 
+T = TypeVar("T", bound=np.generic)
 Map = NDArray[np.float32]
 
 
@@ -52,8 +55,8 @@ def half_resolution_target(
     return doubled(target, image.shape[:2])
 
 
-def doubled(target: NDArray[np.float16], size: tuple[int, ...]) -> NDArray[np.float16]:
-    """A target of half the size at the whole `size` (h, w), each pixel four times; edges are repeated."""
+def doubled(target: NDArray[T], size: tuple[int, ...]) -> NDArray[T]:
+    """A map of half the size at the whole `size` (h, w), each pixel four times; edges are repeated."""
     twice = target.repeat(2, axis=0).repeat(2, axis=1)
     missing = [(0, whole - double) for whole, double in zip(size, twice.shape, strict=True)]
     return np.pad(twice, missing, mode="edge")

@@ -1,5 +1,6 @@
 """A trained net on new images, with or without attitude."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from horizon_dl.data.frame import Frame, checked
@@ -8,6 +9,7 @@ from horizon_dl.data.view import View, any_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.models.net_measures import net_measures
 from horizon_dl.runtime.prediction import Prediction
+from horizon_dl.training.evidence import place_of
 from horizon_dl.training.run_folder import Run, load_run
 from horizon_dl.uncertainty.measures import Measures
 
@@ -25,7 +27,7 @@ class RunPredictor:
 
     def predict(self, frame: Frame) -> Prediction:
         """See `Predictor`; FrameError for an image of another size than its camera's."""
-        return predict(self.run, checked(frame))
+        return replace(predict(self.run, checked(frame)), place=place_of(self.run.info, self.name))
 
 
 def load_run_predictor(folder: Path) -> RunPredictor:

@@ -26,6 +26,7 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.quiet import quiet_logger
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
+from horizon_dl.training.evidence import EVIDENCE_FRAMES, evidence_card
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.half_resolution import half_resolution_frame
 from horizon_dl.training.module import CropStream, HorizonModule
@@ -236,6 +237,9 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "train_s": train_s,
         "threshold": entropy_threshold(net, store, indices),
         "threshold_rule": PaperThreshold(config.threshold.percentile).rule,
+        "evidence": evidence_card(
+            net, ((view.image, view.elevation) for view in store.views(evenly(indices, EVIDENCE_FRAMES)))
+        ),
     }
     return Run(net.eval(), config, info)
 

@@ -12,6 +12,9 @@ KEPT = 400  # 4 s at 100 Hz
 MAX_GAP_S = 0.2
 MAX_HEIGHT_AGE_S = 1.0
 DRIFT_PER_S = 1e-3
+MAX_AHEAD_S = 0.15
+"""So much earlier than ever a message may seem to be sent; more is a wrong stamp, or a late start."""
+AHEAD_BELIEVED = 5
 
 
 class ClockOffset:
@@ -19,7 +22,8 @@ class ClockOffset:
 
     Messages arrive late by varying amounts, never early. The offset may grow by 1 ms a second, so that two
     drifting clocks stay together. A sender that starts again (its time falls by more than a second) is
-    learned anew.
+    learned anew. One stamp that is ahead of all others would shift every later attitude into the past: it is
+    left out until five in a row say the same.
 
     Example:
         >>> clock = ClockOffset()
@@ -31,9 +35,15 @@ class ClockOffset:
     def __init__(self) -> None:
         self._offset_s = math.inf
         self._last_s = -math.inf
+        self._ahead = 0
 
     def to_ours(self, sender_s: float, arrival_s: float) -> float:
-        """When a message was sent, by our clock; never later than its arrival."""
+        """When a message was sent, by our clock; never later than its arrival; NaN: a wrong stamp."""
+        if math.isfinite(self._offset_s) and arrival_s - sender_s < self._offset_s - MAX_AHEAD_S:
+            self._ahead += 1
+            if self._ahead < AHEAD_BELIEVED:
+                return math.nan
+        self._ahead = 0
         if sender_s < self._last_s - 1.0:
             self._offset_s, self._last_s = math.inf, -math.inf
         grown = self._offset_s + DRIFT_PER_S * max(0.0, min(sender_s - self._last_s, 10.0))
@@ -51,6 +61,8 @@ class AttitudeBuffer:
 
     def add(self, time_s: float, quaternion: ArrayLike) -> bool:
         """Keep an attitude; False for what is no rotation, or not newer than the last one."""
+        if not math.isfinite(time_s):
+            return False
         q = np.asarray(quaternion, np.float64)
         norm = float(np.linalg.norm(q))
         if not abs(norm - 1) < 0.1 or (self._attitudes and time_s <= self._attitudes[-1][0]):
@@ -71,6 +83,13 @@ class AttitudeBuffer:
     def newest_s(self) -> float:
         """Time of the newest attitude, -inf for none."""
         return self._attitudes[-1][0] if self._attitudes else -math.inf
+
+    @property
+    def rate_hz(self) -> float | None:
+        """Of the attitudes kept, by the median of their gaps; None for fewer than three."""
+        times = [kept_s for kept_s, _ in list(self._attitudes)]
+        gap_s = float(np.median(np.diff(times))) if len(times) > 2 else 0.0
+        return 1.0 / gap_s if gap_s > 0 else None
 
     def at(self, time_s: float, max_ahead_s: float = 0.0) -> NDArray[np.float64] | None:
         """The attitude at a time, interpolated; None outside of what is kept and in gaps of over 0.2 s.

@@ -28,7 +28,7 @@ class Link:
     """Messages of one autopilot.
 
     What comes from another system or component, without the right signature, or is no MAVLink, is ignored
-    and counted in `counts`; nothing of it raises.
+    and counted in `counts`; nothing of it raises. `strangers` are the system ids of other autopilots heard.
 
     Args:
         transport: the line.
@@ -41,6 +41,7 @@ class Link:
         from pymavlink.dialects.v20 import common
 
         self.counts: Counter[str] = Counter()
+        self.strangers: set[int] = set()
         self._dialect: Any = common
         self._transport = transport
         self._system = system
@@ -136,6 +137,8 @@ class Link:
         sender = (message.get_srcSystem(), message.get_srcComponent())
         if sender != (self._system, AUTOPILOT_COMPONENT):
             self.counts[FOREIGN] += 1
+            if sender[1] == AUTOPILOT_COMPONENT and message.get_type() == "HEARTBEAT":
+                self.strangers.add(sender[0])
             return False
         return True
 

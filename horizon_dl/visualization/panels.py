@@ -16,7 +16,7 @@ from horizon_dl.visualization.text import SOFT, paste, shorten, text_image
 
 Floats = NDArray[np.floating]
 
-RANGES_TITLE = "distance per bearing (m), heading"
+RANGES_TITLE = "what is flown: distance (m), heading"
 
 _MARGIN = 14
 _GAP = 10
@@ -57,7 +57,7 @@ def _row_cells(cells: Cells, row: PanelRow) -> list[_Cell]:
     if row.uncertainty is not None:
         drawn.append((row.uncertainty_title, cells.map(row.uncertainty, "uncertainty")))
     if row.obstacles is not None:
-        drawn.append(("obstacle map", cells.obstacles(row.obstacles)))
+        drawn.append(("entropy over threshold", cells.obstacles(row.obstacles)))
     if row.ranges is not None:
         drawn.append((RANGES_TITLE, cells.picture(row.ranges)))
     return drawn

@@ -21,9 +21,15 @@ from horizon_dl.models.net_measures import net_measures
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.crops import Batch, draw_batch
-from horizon_dl.training.half_resolution import half_elevation, half_resolution_frame, half_resolution_target
+from horizon_dl.training.evidence import evidence_card
+from horizon_dl.training.half_resolution import (
+    doubled,
+    half_elevation,
+    half_resolution_frame,
+    half_resolution_target,
+)
 from horizon_dl.training.module import horizon_loss
-from horizon_dl.training.online.compression import PackedFrame, unpack
+from horizon_dl.training.online.compression import PackedFrame, unpack, unpack_elevation
 from horizon_dl.training.online.replay_buffer import ReplayMemory
 from horizon_dl.training.run_folder import Run
 from horizon_dl.uncertainty.measures import Measures, binary_entropy
@@ -139,9 +145,16 @@ class OnlineLearner:
         """
         net, frames = copy.deepcopy(self.net).eval(), self.memory.sample(MOST_FRAMES)
         rule = {"threshold_rule": PaperThreshold(self.config.threshold.percentile).rule}
-        return lambda: Run(
-            net, self.config, {**info, "threshold": remembered_threshold(net, frames, self.config), **rule}
-        )
+
+        def run() -> Run:
+            threshold = remembered_threshold(net, frames, self.config)
+            remembered = ((unpack(frame).image, unpack_elevation(frame)) for frame in frames)
+            evidence = evidence_card(
+                net, ((image, doubled(half, image.shape[:2])) for image, half in remembered)
+            )
+            return Run(net, self.config, {**info, "threshold": threshold, "evidence": evidence, **rule})
+
+        return run
 
     def snapshot(self) -> Snapshot:
         """All that is needed to go on; tensors are shared, not copied."""

@@ -1,0 +1,149 @@
+"""Is this a familiar place? Ranges of the training pictures, and the colours that they had below the horizon.
+
+Calibrated when a net is trained, kept in the card of its file.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.evidence.appearance import FEATURES, LEAST_RANGE, appearance
+from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
+
+LEVELS = 16
+"""Of each channel; a colour is familiar if it or a neighbour among 16 x 16 x 16 was seen."""
+RARE = 5e-5
+"""Share of the training pixels below which a colour counts as never seen."""
+LOG_RANGE = (-2.0, 8.0)
+"""All that the logarithms of changes in grey levels can be."""
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class Place:
+    """What the training pictures were like.
+
+    Attributes:
+        low: least of each of `FEATURES`.
+        high: greatest of each.
+        colours: (16, 16, 16) bool, familiar colours below the horizon.
+        frames: how many pictures tell so.
+        horizon_accuracy: of the net on them, mean; tells a net that has not learned enough.
+    """
+
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    colours: NDArray[np.bool_]
+    frames: int
+    horizon_accuracy: float
+
+    def strangeness(self, features: NDArray[np.floating]) -> tuple[float, str]:
+        """How far a picture lies outside of the ranges, in ranges, and by which feature; 0 inside.
+
+        A feature that is not known (NaN) says nothing. A net that knows the horizon better than ever is
+        not strange.
+        """
+        low, high = np.array(self.low), np.array(self.high)
+        size = np.maximum(high - low, LEAST_RANGE)
+        above = features - high
+        above[FEATURES.index("horizon_accuracy")] = 0.0
+        out = np.nan_to_num(np.maximum(np.maximum(low - features, above) / size, 0.0))
+        worst = int(out.argmax())
+        return float(out[worst]), FEATURES[worst]
+
+    def least_horizon_accuracy(self, limits: EvidenceLimits = LIMITS) -> float:
+        """Under this a net is worse than it ever was in training."""
+        worst = self.low[FEATURES.index("horizon_accuracy")]
+        return max(limits.least_horizon_accuracy, worst - limits.horizon_margin)
+
+    def at_another_size(self) -> "Place":
+        """For pictures of another size than those of the training: what depends on the size says nothing."""
+        low, high = list(self.low), list(self.high)
+        for name in ("fine", "coarse"):
+            low[FEATURES.index(name)], high[FEATURES.index(name)] = LOG_RANGE
+        return replace(self, low=tuple(low), high=tuple(high))
+
+    def unfamiliar(self, image: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """(h, w) pixels of colours that were not seen below the horizon."""
+        red, green, blue = np.moveaxis(image // (256 // LEVELS), -1, 0)
+        return np.asarray(~self.colours[red, green, blue])
+
+    def to_card(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        return {
+            "version": VERSION,
+            "frames": self.frames,
+            "horizon_accuracy": self.horizon_accuracy,
+            "ranges": {name: [a, b] for name, a, b in zip(FEATURES, self.low, self.high, strict=True)},
+            "colours": np.packbits(self.colours).tobytes().hex(),
+        }
+
+    @classmethod
+    def from_card(cls, card: object) -> "Place":
+        """Of `to_card`.
+
+        Raises:
+            ValueError: it holds something else.
+        """
+        if not isinstance(card, Mapping) or card.get("version") != VERSION:
+            raise ValueError("has no evidence limits of this version")
+        try:
+            pairs = [card["ranges"][name] for name in FEATURES]
+            ranges = np.array([[float(value) for value in pair] for pair in pairs])
+            bits = np.unpackbits(np.frombuffer(bytes.fromhex(card["colours"]), np.uint8))
+            frames, accuracy = int(card["frames"]), float(card["horizon_accuracy"])
+        except (KeyError, TypeError, ValueError):
+            raise ValueError("has damaged evidence limits") from None
+        good = ranges.shape == (len(FEATURES), 2) and bits.size == LEVELS**3 and np.isfinite(ranges).all()
+        good = good and 0 <= accuracy <= 1
+        if not good or (ranges[:, 0] > ranges[:, 1]).any() or frames < 1:
+            raise ValueError("has damaged evidence limits")
+        colours = bits.astype(np.bool_).reshape(LEVELS, LEVELS, LEVELS)
+        low, high = ranges.T.tolist()
+        return cls(tuple(low), tuple(high), colours, frames, accuracy)
+
+
+@dataclass
+class PlaceCalibration:
+    """Collects what `Place` needs, training picture by training picture."""
+
+    limits: EvidenceLimits = LIMITS
+    _features: list[NDArray[np.float64]] = field(default_factory=list)
+    _counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(LEVELS**3, np.int64))
+
+    def add(
+        self, image: NDArray[np.uint8], elevation: NDArray[np.floating], p_above: NDArray[np.floating]
+    ) -> None:
+        """One picture at the working size; see `appearance`."""
+        self._features.append(appearance(image, elevation, p_above, self.limits))
+        below = image[elevation < 0] // (256 // LEVELS)
+        index = (below[:, 0].astype(np.int64) * LEVELS + below[:, 1]) * LEVELS + below[:, 2]
+        self._counts += np.bincount(index, minlength=LEVELS**3)
+
+    def place(self) -> Place | None:
+        """What was collected; None without a picture that shows both sides of the horizon."""
+        if not self._features:
+            return None
+        features = np.stack(self._features)
+        if np.isnan(features).all(axis=0).any():
+            return None
+        low, high = np.nanmin(features, axis=0), np.nanmax(features, axis=0)
+        seen = self._counts > RARE * self._counts.sum()
+        return Place(
+            tuple(low.tolist()),
+            tuple(high.tolist()),
+            with_neighbours(seen),
+            len(features),
+            float(np.nanmean(features[:, FEATURES.index("horizon_accuracy")])),
+        )
+
+
+def with_neighbours(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(16, 16, 16) colours and those next to them in every direction, of (4096,)."""
+    grown = np.pad(seen.reshape(LEVELS, LEVELS, LEVELS), 1)
+    for axis in range(3):
+        grown = grown | np.roll(grown, 1, axis) | np.roll(grown, -1, axis)
+    return grown[1:-1, 1:-1, 1:-1]

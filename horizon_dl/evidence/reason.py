@@ -1,0 +1,24 @@
+"""Why a frame, or a sector of it, is not believed."""
+
+from enum import StrEnum
+
+
+class Reason(StrEnum):
+    """Short enough to stand behind "Obstacles unknown: " in a STATUSTEXT of 50 characters."""
+
+    DARK = "black"
+    BRIGHT = "overexposed"
+    FLAT = "no contrast"
+    CHANNEL = "a colour is lost"
+    TORN = "picture torn"
+    FROZEN = "image frozen"
+    HORIZON = "net is wrong about horizon"
+    UNPROVED = "net not yet proved here"
+    PLACE = "unfamiliar picture"
+    NOT_CALIBRATED = "model not calibrated"
+    MIRRORED = "picture turns the wrong way"
+    HEIGHT = "height cannot be"
+    ATTITUDE = "attitude jumped"
+    LOST = "part of the picture lost"
+    FLOOR = "unfamiliar floor"
+    NO_SKY = "horizon out of view"

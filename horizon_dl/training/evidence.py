@@ -1,0 +1,40 @@
+"""What the training pictures were like, for the flight: it goes into `run.json` and the card of the file."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.errors import InputError
+from horizon_dl.evidence.place import Place, PlaceCalibration
+from horizon_dl.models.dropout import sample_p_above
+from horizon_dl.models.fcn import HorizonFCN
+
+EVIDENCE_FRAMES = 100
+
+
+def place_of(info: Mapping[str, Any], where: str | Path) -> Place | None:
+    """The limits in a `run.json`, None for a run of before they were kept; InputError for damaged ones."""
+    card = info.get("evidence")
+    try:
+        return None if card is None else Place.from_card(card)
+    except ValueError as error:
+        raise InputError(where, str(error), "train again") from None
+
+
+def evidence_card(
+    net: HorizonFCN, frames: Iterable[tuple[NDArray[np.uint8], NDArray[np.floating]]]
+) -> dict[str, Any] | None:
+    """The limits of `Place` over some training frames, ready for JSON; None if no horizon is in view.
+
+    Args:
+        net: trained.
+        frames: image, (h, w, 3) uint8 RGB at the working size, and elevation, (h, w) rad.
+    """
+    calibration = PlaceCalibration()
+    for image, elevation in frames:
+        calibration.add(image, elevation, sample_p_above(net, image).mean(axis=0))
+    place = calibration.place()
+    return None if place is None else place.to_card()
