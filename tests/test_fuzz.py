@@ -22,6 +22,7 @@ CHEAP = [
 ]
 CHEAP += ["config", "override", "archive", "checkpoint", "manifest", "sums"]
 FOUND = [("film", "3 70"), ("ros_bag", "3 223"), ("paparazzi", "5 120"), ("images_csv", "5 196")]
+FOUND += [("kitti", "7 404"), ("kitti", "7 2928")]
 """Inputs that once gave another error, hung, or took too much."""
 
 

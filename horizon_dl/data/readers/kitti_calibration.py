@@ -102,6 +102,6 @@ def numbers(path: Path, fields: dict[str, str], name: str, count: int) -> Floats
 def rotation(path: Path, fields: dict[str, str], name: str) -> Floats:
     """A field that is a rotation matrix (3, 3)."""
     matrix = numbers(path, fields, name, 9).reshape(3, 3)
-    if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3):
+    if np.abs(matrix).max() > 2 or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3):
         raise InputError(path, f"field '{name}' is no rotation", "copy the file again")
     return matrix
