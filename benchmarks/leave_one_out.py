@@ -37,7 +37,7 @@ class Variant:
     """
 
     overrides: Sequence[str] = ()
-    costs: Mapping[str, float] = field(default_factory=dict)
+    costs: Mapping[str, Any] = field(default_factory=dict)
 
 
 PLAIN = {"CHROMA": 1.0, "EDGE_POWER": 1.0, "EDGE_LIMIT": float("inf"), "BLUR": 0.0036, "LENGTH_COST": 0.02}

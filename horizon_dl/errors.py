@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-LONGEST_PART = 600
+LONGEST_PART = 1200
 """Characters of a file name, a problem or a way out in a message; a path of the system's longest is cut."""
 
 

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from horizon_dl.data.calibration.calibration import read_calibration, read_camera_yaml
+from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
 
@@ -65,7 +65,7 @@ def write(folder: Path, text: str) -> Path:
 
 
 def test_own_file(tmp_path: Path) -> None:
-    calibration = read_camera_yaml(write(tmp_path, OWN))
+    calibration = read_calibration(write(tmp_path, OWN))
     lens = (-0.33786, 0.13481, -0.00011, 0.00044, -0.02786)
     assert calibration.camera == Camera("radtan", 520, 240, 323.93, 323.97, 262.3, 213.96, lens)
     assert calibration.rotate_quarter_turns_ccw == 1
@@ -75,7 +75,7 @@ def test_own_file(tmp_path: Path) -> None:
 
 def test_pinhole_needs_neither_distortion_nor_mount(tmp_path: Path) -> None:
     text = "model: pinhole\nwidth: 64\nheight: 48\nfx: 50\nfy: 50\ncx: 31.5\ncy: 23.5\n"
-    calibration = read_camera_yaml(write(tmp_path, text))
+    calibration = read_calibration(write(tmp_path, text))
     assert calibration.camera == Camera("pinhole", 64, 48, 50.0, 50.0, 31.5, 23.5)
     assert calibration.mount_rpy_rad == (0.0, 0.0, 0.0)
 
@@ -85,11 +85,11 @@ def test_pinhole_needs_neither_distortion_nor_mount(tmp_path: Path) -> None:
 )
 def test_rotation_words(tmp_path: Path, word: str, turns: int) -> None:
     path = write(tmp_path, OWN.replace("90ccw", word))
-    assert read_camera_yaml(path).rotate_quarter_turns_ccw == turns
+    assert read_calibration(path).rotate_quarter_turns_ccw == turns
 
 
 def test_kalibr(tmp_path: Path) -> None:
-    calibration = read_calibration(write(tmp_path, KALIBR))
+    calibration = read_calibration(write(tmp_path, KALIBR + "imu_axes: frd\n"))
     lens = (0.01, -0.002, 0.003, -0.0004)
     assert calibration.camera == Camera("kannala_brandt", 512, 500, 190.9, 190.8, 254.9, 256.8, lens)
     # An IMU with x forward, y right, z down and a camera along x: no mount rotation.
@@ -101,7 +101,7 @@ def test_kalibr_mount_looking_down(tmp_path: Path) -> None:
     # Optical axis: forward and, by 0.3 rad, down in the IMU's FRD axes.
     rows = [[0, 1, 0, 0], [-s, 0, c, 0], [c, 0, s, 0], [0, 0, 0, 1]]
     head, _, _ = KALIBR.partition("  T_cam_imu:")
-    calibration = read_calibration(write(tmp_path, f"{head}  T_cam_imu: {rows}\n"))
+    calibration = read_calibration(write(tmp_path, f"{head}  T_cam_imu: {rows}\nimu_axes: frd\n"))
     assert calibration.mount_rpy_rad == pytest.approx((0.0, -0.3, 0.0))
 
 
@@ -143,7 +143,7 @@ def test_missing_field_is_named(tmp_path: Path, field: str) -> None:
         ("fx: 323.93", "fx: -1", "focal lengths are -1"),
         ("width: 520", "width: 0", "field 'width'"),
         ("width: 520", "width: 520.5", "field 'width'"),
-        ("model: radtan", "model: omni", "one of pinhole, radtan, kannala_brandt"),
+        ("model: radtan", "model: thin_prism", "one of pinhole, radtan, rational, kannala_brandt"),
         ("rotate_image: 90ccw", "rotate_image: 45", "field 'rotate_image'"),
         ("[0.0, -16.7, 0.0]", "[0.0, -16.7]", "field 'mount_rpy_deg'.*3 numbers"),
         ("-0.02786]", "-0.02786, 0.1]", "6 distortion coefficients, radtan takes 5"),
@@ -168,7 +168,7 @@ def test_missing_and_binary_files(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is missing"):
         read_calibration(tmp_path / "none.yaml")
     path = tmp_path / "binary.yaml"
-    path.write_bytes(b"\xff\xfe\x00\x80")
+    path.write_bytes(b"\x89\xff\x00\x80")
     with pytest.raises(InputError, match="cannot be read"):
         read_calibration(path)
 
@@ -177,4 +177,4 @@ def test_kalibr_with_a_matrix_that_is_no_rotation(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no rotation"):
         read_calibration(write(tmp_path, KALIBR.replace("- [1.0, 0.0, 0.0, 0.3]", "- [2.0, 0.0, 0.0, 0.3]")))
     with pytest.raises(InputError, match="camera_model"):
-        read_calibration(write(tmp_path, KALIBR.replace("camera_model: pinhole", "camera_model: omni")))
+        read_calibration(write(tmp_path, KALIBR.replace("camera_model: pinhole", "camera_model: spherical")))

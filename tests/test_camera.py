@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.geometry.rays import camera_rays, invert_odd_polynomial, project, unproject
+from horizon_dl.geometry.lenses.inverse import invert_odd_polynomial
+from horizon_dl.geometry.rays import camera_rays, project, unproject
 
 PINHOLE = Camera("pinhole", 640, 480, 537.6, 539.0, 315.1, 244.5)
 BEBOP = Camera(

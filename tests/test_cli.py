@@ -183,7 +183,7 @@ def break_everything(folder):
     [
         (break_column, ("frames.csv", "pitch_rad")),
         (break_attitude, ("frames.csv", "attitude")),
-        (break_most_images, ("frames cannot be used", "truncated")),
+        (break_most_images, ("most images cannot be read", "truncated")),
         (break_size, ("50x50", "96x72")),
         (break_camera, ("camera.yaml", "fx")),
         (break_everything, ("is empty",)),

@@ -71,7 +71,7 @@ def test_a_wrong_path_is_told_before_anything_heavy_is_loaded(tmp_path):
 @pytest.mark.parametrize("words", FULL, ids=lambda words: words[0])
 def test_a_folder_of_something_else_is_refused(tmp_path, monkeypatch, capsys, words):
     monkeypatch.chdir(tmp_path)
-    write_toy_set(tmp_path / "set", frames=3)
+    write_toy_set(tmp_path / "set", frames=12)
     (tmp_path / "thesis" / "logs").mkdir(parents=True)
     for name in ("frames.jsonl", "config.yaml", "logs/mine"):
         (tmp_path / "thesis" / name).write_text("years of work")

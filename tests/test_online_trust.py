@@ -255,5 +255,8 @@ def test_a_stream_with_nothing_to_learn_from_is_one_line(tmp_path, capsys):
     folder = write_toy_set(tmp_path / "set", frames=6)
     for path in (folder / "images").iterdir():
         Image.new("RGB", (96, 72)).save(path)
-    assert main(["online", str(folder), "--out", str(tmp_path / "run"), *tiny_options()]) == 2
+    arguments = ["online", str(folder), "--out", str(tmp_path / "run"), *tiny_options()]
+    assert main(arguments) == 2
+    assert "almost all images are too dark" in capsys.readouterr().err
+    assert main([*arguments, "--force"]) == 2
     assert "has no frame to learn from (black: 6)" in capsys.readouterr().err

@@ -96,6 +96,29 @@ def test_adding_to_a_folder_of_ones_own_keeps_the_rest(tmp_path):
         claim_folder(out, "train")
 
 
+def test_what_a_killed_run_wrote_half_goes_from_its_own_folder_alone(tmp_path):
+    half = (".checkpoint.safetensors.part", ".tmpAb3xY9")
+    for name in ("own", "other"):
+        (tmp_path / name).mkdir()
+    claim_folder(tmp_path / "own", "online")
+    for name in half:
+        (tmp_path / "own" / name).write_text("half")
+        (tmp_path / "other" / name).write_text("mine")
+    for name in ("own", "other"):
+        claim_folder(tmp_path / name, "online")
+    assert sorted(path.name for path in (tmp_path / "own").iterdir()) == [MANIFEST]
+    assert sorted(path.name for path in (tmp_path / "other").iterdir()) == [*half, MANIFEST]
+
+
+def test_a_damaged_manifest_says_so_and_can_be_overwritten(tmp_path):
+    claim_folder(tmp_path, "online")
+    (tmp_path / MANIFEST).write_text((tmp_path / MANIFEST).read_text().replace("online", "onlime"))
+    with pytest.raises(InputError, match=r"is damaged; .*--overwrite"):
+        claim_folder(tmp_path, "online")
+    claim_folder(tmp_path, "online", overwrite=True)
+    assert read_manifest(tmp_path).kind == "online"
+
+
 def test_hidden_files_and_lost_and_found_do_not_count(tmp_path):
     for name in (".DS_Store", "lost+found"):
         (tmp_path / name).mkdir()

@@ -245,6 +245,22 @@ def test_icl_nuim_camera_with_y_up(tmp_path: Path) -> None:
     np.testing.assert_allclose(up, [0.0, -math.cos(0.2), math.sin(0.2)], atol=1e-9)
 
 
+def test_trajectory_that_starts_in_its_first_camera(tmp_path: Path) -> None:
+    half = 0.05
+    rolled = f"1 0 2 0 0 {math.sin(half)} {math.cos(half)}"  # clockwise about the optical axis by 0.1
+    folder = trajectory(tmp_path / "freiburg1", ["0 0 0 0 0 0 1", *[rolled] * 3])
+    recording = open_recording(folder)
+    assert roll_of(recording) == pytest.approx([0.0, 0.1, 0.1, 0.1])
+    assert "starts in its first camera" in " ".join(recording.notes)
+
+
+def test_world_with_y_down_is_named(tmp_path: Path) -> None:
+    folder = make_sets.tum(tmp_path)
+    poses = [f"{START_S + 0.01 * i:.4f} 1 2 3 0 0 0 1" for i in range(20)]
+    (folder / "groundtruth.txt").write_text("\n".join(poses))
+    assert "with its y axis down it would be" in open_recording(folder).notes[0]
+
+
 def test_a_camera_that_looks_down_is_not_turned(tmp_path: Path) -> None:
     folder = make_sets.tum(tmp_path)
     poses = [f"{START_S + 0.01 * i:.4f} {0.01 * i} {0.1 * i} 30 1 0 0 0" for i in range(20)]  # flies north
@@ -329,6 +345,14 @@ def test_pictures_of_folders_by_the_numbers_in_their_names(tmp_path: Path) -> No
             (tmp_path / name).with_suffix(".png").rename(tmp_path / name)
     recording = open_recording(tmp_path, given=Given(needs_attitude=False))
     assert [h.name for h in recording.headers] == ["a/f9.JPG", "a/f10.png", "b/f10.png"]
+
+
+@pytest.mark.parametrize("option", ["attitude", "camera"])
+def test_what_a_set_has_itself_is_not_given_in_silence(tmp_path: Path, option: str) -> None:
+    folder = kitti(tmp_path)
+    given = Given(attitude="constant:0,0") if option == "attitude" else Given(camera=tmp_path / "c.yaml")
+    with pytest.raises(InputError, match=f"--{option} .*has no meaning for kitti"):
+        open_recording(folder, given=given)
 
 
 def test_given_attitude_and_camera_count_for_more_than_the_folder(tmp_path: Path) -> None:

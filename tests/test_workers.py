@@ -61,3 +61,20 @@ def test_an_address_where_nothing_answers_is_named():
 def test_an_address_that_is_none_is_named():
     with pytest.raises(InputError, match="--scheduler"), open_workers("nonsense://x"):
         pass
+
+
+@pytest.mark.slow
+def test_processes_of_this_machine_listen_to_nobody_else():
+    psutil = pytest.importorskip("psutil")
+    with open_workers("local") as workers:
+        assert isinstance(workers, DaskWorkers)
+        assert list(workers.map(scaled, 2, [1, 2])) == [2, 4]
+        own = psutil.Process()
+        places = {
+            connection.laddr.ip
+            for process in (own, *own.children(recursive=True))
+            for connection in process.net_connections()
+            if connection.status == psutil.CONN_LISTEN
+        }
+    assert places <= {"127.0.0.1", "::1"}
+    assert places

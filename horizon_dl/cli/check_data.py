@@ -6,7 +6,7 @@ horizon-dl check-data DATA --out DIR      also writes check.json, horizon overla
 
 import argparse
 
-from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config
+from horizon_dl.cli.options import add_config, add_data, add_out, open_finding_axes, resolve_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Check, print the findings, and write the pictures where asked for."""
-    recording = open_data(arguments)
+    recording, axes = open_finding_axes(arguments)
     config = resolve_config(arguments)
 
     from horizon_dl.inspection.data_check import check_recording
@@ -26,8 +26,14 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.reporting.check import check_lines, write_check
 
     check = check_recording(
-        recording, band_rad=config.labels.band_rad, max_pixels=config.image.max_pixels, progress=True
+        recording,
+        band_rad=config.labels.band_rad,
+        max_pixels=config.image.max_pixels,
+        orientation=True,
+        progress=True,
     )
+    if axes:
+        print(axes)
     print("\n".join(check_lines(check)))
     if arguments.out:
         with output_folder(arguments.out, "check-data", overwrite=arguments.overwrite) as folder:

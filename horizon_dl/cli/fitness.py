@@ -39,4 +39,6 @@ def stop_if_unfit(source: "FrameSource", config: "Config", *, force: bool) -> No
         print(f"note: {note}", file=sys.stderr)
     if check.level == "problem" and not force:
         problem = check.verdict.removeprefix("This data ").rstrip(".")
+        if check.unreadable > check.sampled / 2:
+            problem += f" (the first: {check.unreadable_examples[0][1]})"
         raise InputError(source.name, problem, "run check-data, or go on with --force")

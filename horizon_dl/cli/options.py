@@ -18,13 +18,23 @@ def add_data(parser: argparse.ArgumentParser, name: str = "data") -> None:
 
 
 def add_given(parser: argparse.ArgumentParser) -> None:
-    """`--format`, `--camera`, `--attitude` and `--time-offset`: what the data itself lacks."""
+    """`--format`, `--camera`, `--imu-axes`, `--convention`, `--attitude` and `--time-offset`."""
     parser.add_argument("--format", metavar="NAME", help="format of the data (recognised if left out)")
     parser.add_argument("--camera", type=Path, metavar="FILE", help="calibration and mount of the camera")
     parser.add_argument(
+        "--imu-axes",
+        metavar="AXES",
+        help="flu, frd, ...: where x, y, z point of the IMU that the calibration leads to",
+    )
+    parser.add_argument(
+        "--convention",
+        metavar="WORDS",
+        help="how the attitude is to be read: xyzw, flu, z-up, deg, ...; calibrate-mount finds it",
+    )
+    parser.add_argument(
         "--attitude",
         metavar="FROM",
-        help="a log's file, mavlink:URL, or constant:ROLL,PITCH in degrees",
+        help="a log's file, mavlink:URL, constant:ROLL,PITCH in degrees, or from-images",
     )
     parser.add_argument(
         "--time-offset",
@@ -128,6 +138,8 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
         attitude=arguments.attitude,
         time_offset_s=arguments.time_offset,
         needs_attitude=needs_attitude,
+        imu_axes=arguments.imu_axes,
+        convention=arguments.convention,
         time_unit=arguments.time_unit,
         angle_unit=arguments.angle_unit,
         topics=tuple(arguments.topic),
@@ -139,6 +151,31 @@ def open_data(arguments: argparse.Namespace) -> "Recording":
     from horizon_dl.data.open_source import finished_recording, open_source
 
     return finished_recording(open_source(arguments.data, arguments.format, given(arguments)))
+
+
+def open_finding_axes(arguments: argparse.Namespace) -> tuple["Recording", str]:
+    """As `open_data`; the axes of an IMU that the calibration does not state are found from the pictures.
+
+    Returns:
+        The recording, and what was found in words; '' where nothing had to be.
+
+    Raises:
+        InputError: see `open_data`; AxesNotStatedError where the pictures do not tell either.
+    """
+    from horizon_dl.data.calibration.mount import AxesNotStatedError
+
+    try:
+        return open_data(arguments), ""
+    except AxesNotStatedError:
+        from horizon_dl.inspection.orientation import axes_line, find_imu_axes
+
+        def open_with(axes: str) -> "Recording":
+            return open_data(argparse.Namespace(**{**vars(arguments), "imu_axes": axes}))
+
+        found = find_imu_axes(open_with, progress=True)
+        if found is None:
+            raise
+        return open_with(found), axes_line(found)
 
 
 def resolve_config(arguments: argparse.Namespace) -> "Config":

@@ -4,7 +4,6 @@ import argparse
 import errno
 import re
 import stat
-import tempfile
 from pathlib import Path
 
 from horizon_dl.errors import InputError
@@ -48,6 +47,8 @@ def _check_there(path: Path) -> None:
 
 
 def _check_out(out: Path, overwrite: bool, resuming: bool) -> None:
+    import tempfile
+
     from horizon_dl.output.folder import check_free
 
     try:

@@ -52,6 +52,7 @@ class AttitudeLog:
             up_in_camera(attitude, mount_rpy_rad),
             yaw_of(attitude),
             self._height_at(time_s - offset_s),
+            as_read=tuple(attitude.tolist()),
         )
 
     def _height_at(self, time_s: float) -> float | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from horizon_dl.data.images import decode, deep_values, is_deep
+from horizon_dl.data.decoding import decode, deep_values, is_deep
 from horizon_dl.errors import FrameError
 
 FULL = 16

@@ -48,6 +48,7 @@ class FrameHeader:
         floor_up_cam: (3,) the floor's normal in the optical frame where it is known to differ from `up_cam`
             (a car stands on its road, however the road tilts); None: the floor is level.
         labelled: the frame has a truth image.
+        as_read: the attitude's numbers as they stand in the file: roll, pitch, yaw, or a quaternion.
     """
 
     name: str
@@ -57,6 +58,7 @@ class FrameHeader:
     height_m: float | None = None
     floor_up_cam: Vector | None = None
     labelled: bool = False
+    as_read: tuple[float, ...] | None = None
 
     @property
     def floor_normal(self) -> Vector | None:

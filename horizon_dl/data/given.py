@@ -12,6 +12,8 @@ class Given:
         camera: a calibration file, `--camera`.
         attitude: `--attitude`: a log's file, `constant:ROLL,PITCH` in degrees, or `from-images`.
         time_offset_s: `--time-offset`: is added to the times of the log to give those of the images.
+        imu_axes: `--imu-axes`: of the IMU that a calibration file leads to, as flu; see `geometry.axes`.
+        convention: `--convention`: how the attitude's numbers are to be read, see `data.convention`.
         needs_attitude: a recording without any attitude is refused.
         time_unit: `--time-unit`: s, ms, us or ns, of the clock in a table.
         angle_unit: `--angle-unit`: rad or deg, of the angles in a table.
@@ -22,6 +24,8 @@ class Given:
     attitude: str | None = None
     time_offset_s: float = 0.0
     needs_attitude: bool = True
+    imu_axes: str | None = None
+    convention: str | None = None
     time_unit: str | None = None
     angle_unit: str | None = None
     topics: tuple[str, ...] = ()

@@ -1,19 +1,21 @@
 """Recordings whose images are files: headers with paths, read when asked for."""
 
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from horizon_dl.data.bit_depth import FULL, used_bits
+from horizon_dl.data.convention import Reading
+from horizon_dl.data.decoding import MOST_PIXELS, most_pixels
 from horizon_dl.data.frame import FrameHeader, RangeImage
-from horizon_dl.data.images import MOST_PIXELS, load_rgb, load_truth, load_uint16, most_pixels
+from horizon_dl.data.images import load_rgb, load_truth
 from horizon_dl.data.orientation import orientation_of_file, upright
+from horizon_dl.data.range_files import lies_as, load_metres
 from horizon_dl.data.source import MountRpy, Pixels, Recording
+from horizon_dl.data.unique_names import unique_names
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
 
@@ -83,37 +85,6 @@ class ImageLoader:
         return RangeImage(np.ascontiguousarray(metres), self.range_unit.along)
 
 
-def load_metres(path: Path, metres_a_count: float) -> NDArray[np.float32]:
-    """(h, w) distances of a range image: 16-bit counts, or metres as floats in an .npy file; NaN for none.
-
-    Raises:
-        FrameError: it cannot be read.
-    """
-    if path.suffix == ".npy":
-        try:
-            metres = np.asarray(np.load(path, allow_pickle=False), np.float32)
-        except (OSError, ValueError, EOFError):
-            raise FrameError(path, "cannot be read as an array", "restore the file") from None
-        if metres.ndim != 2:
-            raise FrameError(path, f"has {metres.ndim} dimensions", "store one distance a pixel")
-        return np.where(np.isfinite(metres) & (metres > 0), metres, np.float32(np.nan))
-    counts = load_uint16(path)
-    none = (counts == 0) | (counts == np.iinfo(np.uint16).max)
-    return np.where(none, np.nan, counts * np.float32(metres_a_count)).astype(np.float32)
-
-
-def lies_as(shape: tuple[int, ...], stored: tuple[int, ...]) -> bool:
-    """Whether a range image lies as its stored image does, and has to be turned with it.
-
-    One that was saved upright, as labels are, betrays itself by its sides after a quarter turn.
-
-    Example:
-        >>> lies_as((120, 160), (240, 320)), lies_as((160, 120), (240, 320))
-        (True, False)
-    """
-    return (shape[0] < shape[1]) == (stored[0] < stored[1])
-
-
 def image_recording(
     name: str,
     format: str,
@@ -126,6 +97,7 @@ def image_recording(
     mount_rpy_rad: MountRpy | None = None,
     range_unit: RangeUnit = RangeUnit(),
     notes: tuple[str, ...] = (),
+    reading: Reading | None = None,
 ) -> Recording:
     """A recording of image files, sorted by time.
 
@@ -140,6 +112,7 @@ def image_recording(
         mount_rpy_rad: see `Recording`.
         range_unit: see `ImageLoader`.
         notes: see `Recording`.
+        reading: see `Recording`.
 
     Raises:
         InputError: no frames, no image on disk, or no attitude at any frame's time.
@@ -160,7 +133,7 @@ def image_recording(
         problem = f"no frame has an attitude from {attitude_from}"
         raise InputError(where, problem, "check that its values are numbers")
     load, note = image_loader(files, rotate_quarter_turns_ccw, range_unit, most_pixels(camera))
-    return Recording(name, format, camera, headers, load, mount_rpy_rad, (*notes, *note))
+    return Recording(name, format, camera, headers, load, mount_rpy_rad, (*notes, *note), reading=reading)
 
 
 def image_loader(
@@ -173,23 +146,3 @@ def image_loader(
     bits = used_bits([one.image for one in files])
     note = () if bits == FULL else (f"the pictures use {bits} of their 16 bits, and are scaled by that",)
     return ImageLoader(files, rotate_quarter_turns_ccw, range_unit, most, bits), note
-
-
-def unique_names(names: Sequence[str]) -> list[str]:
-    """The names, with a number behind those that were there before.
-
-    Example:
-        >>> unique_names(["a.png", "b.png", "a.png"])
-        ['a.png', 'b.png', 'a.png#2']
-    """
-    seen: Counter[str] = Counter()
-    taken, result = set(names), []
-    for name in names:
-        seen[name] += 1
-        unique = name if seen[name] == 1 else f"{name}#{seen[name]}"
-        while seen[name] > 1 and unique in taken:
-            seen[name] += 1
-            unique = f"{name}#{seen[name]}"
-        taken.add(unique)
-        result.append(unique)
-    return result

@@ -34,7 +34,7 @@ def open_source(
     if given.needs_attitude and given.attitude is None:
         problem = "has no attitude: nothing says where the horizon lies"
         raise InputError(where, problem, "give --attitude mavlink:URL, or constant:ROLL,PITCH in degrees")
-    calibration = None if given.camera is None else read_calibration(given.camera)
+    calibration = None if given.camera is None else read_calibration(given.camera, imu_axes=given.imu_axes)
     attitude = None if given.attitude is None else read_attitude(given.attitude)
     if isinstance(attitude, AttitudeLog):
         raise InputError(f"--attitude {given.attitude}", "is the log of a recording", "give mavlink:URL")

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.convention import Reading, parse_convention
 from horizon_dl.data.frame import Frame, FrameHeader, RangeImage, checked
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
@@ -92,6 +93,7 @@ class Recording:
     Attributes:
         headers: of all frames, sorted by time.
         load: reads a frame's image.
+        reading: how the attitudes were read; None where their numbers are not kept.
     """
 
     name: str
@@ -102,6 +104,7 @@ class Recording:
     mount_rpy_rad: MountRpy | None = None
     notes: tuple[str, ...] = ()
     live: bool = False
+    reading: Reading | None = None
 
     @property
     def length(self) -> int:
@@ -138,6 +141,26 @@ class Recording:
         """
         headers = [self.headers[index] for index in indices]
         return replace(self, headers=headers, load=_Selected(self.load, tuple(indices)))
+
+    def read_as(self, words: str) -> "Recording":
+        """The recording with its attitudes read by another convention; see `parse_convention`.
+
+        Raises:
+            InputError: words that are not known, or the attitude's numbers are not kept.
+        """
+        if self.reading is None:
+            raise InputError(
+                self.name, f"is {self.format}, which has one convention", "leave --convention out"
+            )
+        reading = replace(self.reading, convention=parse_convention(words, self.reading.convention))
+        known = [header.as_read is not None for header in self.headers]
+        numbers = np.array([header.as_read for header in self.headers if header.as_read is not None])
+        ups = iter(reading.convention.ups_in_camera(numbers, reading.mount))
+        headers = [
+            replace(header, up_cam=next(ups)) if there else header
+            for header, there in zip(self.headers, known, strict=True)
+        ]
+        return replace(self, headers=headers, reading=reading)
 
     def stop(self) -> None:
         """Nothing to stop: frames come as fast as they are asked for."""

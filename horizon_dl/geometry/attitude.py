@@ -62,9 +62,14 @@ def rotation_from_rpy(roll: float, pitch: float, yaw: float) -> NDArray[np.float
 
 
 def rpy_from_rotation(rotation: ArrayLike) -> tuple[float, float, float]:
-    """Roll, pitch, yaw (rad) of a rotation matrix; undoes `rotation_from_rpy` for |pitch| < pi/2."""
+    """Roll, pitch, yaw (rad) of a rotation matrix; undoes `rotation_from_rpy` for |pitch| < pi/2.
+
+    Straight up or down roll and yaw turn about one axis: there the roll is zero.
+    """
     r = np.asarray(rotation, dtype=np.float64)
     pitch = math.asin(max(-1.0, min(1.0, -float(r[2, 0]))))
+    if math.hypot(float(r[2, 1]), float(r[2, 2])) < 1e-9:
+        return 0.0, pitch, math.atan2(-r[0, 1], r[1, 1])
     return math.atan2(r[2, 1], r[2, 2]), pitch, math.atan2(r[1, 0], r[0, 0])
 
 

@@ -2,9 +2,6 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
-
-CameraModel = Literal["pinhole", "radtan", "kannala_brandt"]
 
 
 @dataclass(frozen=True)
@@ -12,11 +9,12 @@ class Camera:
     """Intrinsics of one camera; hashable, so that its rays are computed once.
 
     Convention: pixel centres at integers, (0, 0) top left, u right, v down; focal lengths and principal
-    point in pixels. `distortion` is () for `pinhole`, (k1, k2, p1, p2, k3) in OpenCV's order for `radtan`,
-    (k1, k2, k3, k4) for `kannala_brandt` (OpenCV's fisheye).
+    point in pixels. `model` is a name in `lenses.registry`; `distortion` holds that lens's parameters: () for
+    `pinhole`, (k1, k2, p1, p2, k3) in OpenCV's order for `radtan`, (k1, k2, k3, k4) for `kannala_brandt`
+    (OpenCV's fisheye), ... They are of no unit: a camera of another size has the same.
     """
 
-    model: CameraModel
+    model: str
     width: int
     height: int
     fx: float

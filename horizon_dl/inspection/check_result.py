@@ -7,6 +7,7 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.inspection.finding import Finding, Level
 from horizon_dl.inspection.image_quality import Exposure, TruthStatistics
+from horizon_dl.inspection.orientation import Orientation
 from horizon_dl.inspection.time_offset import MotionFit
 from horizon_dl.inspection.timing_and_attitude import Attitudes, Labels, Percentiles, Timing
 
@@ -39,6 +40,7 @@ class DataCheck:
     motion: MotionFit | None
     height_m: Percentiles | None
     truth: TruthStatistics | None
+    orientation: Orientation | None = None
     findings: tuple[Finding, ...] = ()
     level: Level = "ok"
     verdict: str = ""

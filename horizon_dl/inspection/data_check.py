@@ -25,6 +25,7 @@ from horizon_dl.inspection.image_quality import (
     truth_counts,
     truth_statistics,
 )
+from horizon_dl.inspection.orientation import check_orientation
 from horizon_dl.inspection.time_offset import MotionFit, measured_shift, motion_fit, predicted_shifts
 from horizon_dl.inspection.timing_and_attitude import (
     Timing,
@@ -72,6 +73,7 @@ def check_recording(
     band_rad: float = math.radians(2.0),
     max_pixels: int = 320 * 240,
     max_frames: int = 200,
+    orientation: bool = False,
     progress: bool = False,
 ) -> DataCheck:
     """Looks at a recording: all entries for times and attitudes, at most `max_frames` images for pixels.
@@ -81,6 +83,8 @@ def check_recording(
         band_rad: half width of the ignored band around the horizon, rad.
         max_pixels: size at which images are looked at.
         max_frames: images that are read, evenly spaced.
+        orientation: find out by which convention the attitude is to be read, and the mount; reads up to 190
+            images more.
         progress: show a bar.
 
     Raises:
@@ -114,6 +118,7 @@ def check_recording(
         motion=_motion(recording, sample, times),
         height_m=percentiles(np.array(heights)) if heights else None,
         truth=_truth(recording, labelled) if labelled else None,
+        orientation=check_orientation(recording, progress=progress) if orientation else None,
         overlay_views=tuple(sample.views),
     )
     return with_findings(check)

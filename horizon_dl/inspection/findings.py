@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.finding import Finding, Level, verdict_of
+from horizon_dl.inspection.orientation_findings import convention_finding, mount_finding
 from horizon_dl.inspection.time_offset import MotionFit
 
 FEW_FRAMES, TOO_FEW_FRAMES = 50, 5
@@ -302,6 +303,8 @@ RULES: tuple[Rule, ...] = (
     _balance,
     _attitude,
     _travel,
+    convention_finding,
+    mount_finding,
     _motion,
     _times,
     _exposure,

@@ -6,7 +6,8 @@ verticals scatter their votes. Edges that are level in the world give a second o
 their directions agree modulo 90 degrees, as those of floors, doors and boards in a building do.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,10 +19,14 @@ from horizon_dl.geometry.lines import LinePlanes
 
 Floats = NDArray[np.float64]
 
-GRID = np.radians(np.arange(-10.0, 10.01, 0.5))
-"""Corrections of roll and of pitch that are tried, rad."""
-UPRIGHT = np.radians(1.0)
+COARSE = np.radians(np.arange(-36.0, 36.01, 2.0))
+FINE = np.radians(np.arange(-4.0, 4.01, 0.5))
+"""Corrections of roll and of pitch that are tried, rad: all over, then around the best."""
+COARSE_UPRIGHT, UPRIGHT = np.radians(3.0), np.radians(1.0)
 """A vertical's plane misses up by less than this; the vote falls off with the square."""
+FINE_STEP = float(FINE[1] - FINE[0])
+LEVEL = np.radians(np.arange(-10.0, 10.01, 0.5))
+AGREES, LEAST_SD = math.radians(1.5), math.radians(0.1)
 LEAST_FRAMES = 5
 RESAMPLES, PARTS = 100, 10
 AZIMUTH_BINS = 90
@@ -49,7 +54,8 @@ class MountFit:
     """What the edges say of the mount.
 
     Attributes:
-        roll, pitch: by the verticals.
+        roll: by the verticals.
+        pitch: by the verticals, and by the level edges where they agree.
         level_pitch: the pitch correction by the level edges alone, rad, the roll being that of the verticals;
             None where their best is the largest that was tried.
         frames: that had edges and an attitude.
@@ -80,18 +86,17 @@ def fit_mount(
     weight = np.concatenate([planes[index].length_rad for index in used])
     frame = np.repeat(np.arange(len(used)), [len(planes[index].normal) for index in used])
     up = np.array([up_cam[index] for index in used], np.float64)
-    votes = _vertical_votes(normal, weight, frame, up, mount_rpy_rad)
-    best = _peak(votes.sum(axis=0))
-    sd = _spread(votes)
-    roll, pitch = (Angle(c, s, bool(abs(c) >= GRID[-1])) for c, s in zip(best, sd, strict=True))
-    level = [
-        _agreement(normal, weight, frame, _turned(up, mount_rpy_rad, roll.correction, shift)[frame])
-        for shift in GRID.tolist()
-    ]
-    place = int(np.argmax(level))
-    inside = 0 < place < len(GRID) - 1
-    level_pitch = _refined(np.array(level), place) if inside else None
-    return MountFit(roll, pitch, level_pitch, len(used), len(normal))
+    edges = _Edges(normal, weight, frame, up, mount_rpy_rad)
+    rough = edges.votes(COARSE, COARSE, COARSE_UPRIGHT)
+    about = _peak(rough.sum(axis=0), COARSE, COARSE)
+    rolls, pitches = (FINE + round(angle / FINE_STEP) * FINE_STEP for angle in about)
+    votes = edges.votes(rolls, pitches, UPRIGHT)
+    best = _peak(votes.sum(axis=0), rolls, pitches)
+    sd = np.hypot(_spread(votes, rolls, pitches), _leaps(rough))
+    roll, pitch = (Angle(c, s, bool(abs(c) >= COARSE[-1])) for c, s in zip(best, sd.tolist(), strict=True))
+    level = _level_pitch(edges, roll.correction, pitch.correction)
+    level_pitch = None if level is None else level.correction
+    return MountFit(roll, _both(pitch, level), level_pitch, len(used), len(normal))
 
 
 def corrected_up(
@@ -107,21 +112,55 @@ def _turned(up: Floats, mount: tuple[float, float, float], roll: float, pitch: f
     return np.asarray(up @ (OPTICAL_FROM_FRD @ right.T @ stated @ OPTICAL_FROM_FRD.T).T)
 
 
-def _vertical_votes(
-    normal: Floats, weight: Floats, frame: NDArray[np.int64], up: Floats, mount: tuple[float, float, float]
-) -> Floats:
-    """(frames, rolls, pitches) sum of the votes."""
-    votes = np.zeros((len(up), len(GRID), len(GRID)))
-    for i, roll in enumerate(GRID.tolist()):
-        for j, pitch in enumerate(GRID.tolist()):
-            miss = np.einsum("ij,ij->i", normal, _turned(up, mount, roll, pitch)[frame])
-            vote = weight * np.maximum(0.0, 1.0 - np.square(miss / UPRIGHT))
-            votes[:, i, j] = np.bincount(frame, vote, len(up))
-    return votes
+@dataclass(frozen=True)
+class _Edges:
+    """All edges (N, ...) with the number of their frame, and up in the frames under the stated mount."""
+
+    normal: Floats
+    weight: Floats
+    frame: NDArray[np.int64]
+    up: Floats
+    mount: tuple[float, float, float]
+
+    def votes(self, rolls: Floats, pitches: Floats, tolerance: float) -> Floats:
+        """(frames, rolls, pitches) sum of the verticals' votes."""
+        votes = np.zeros((len(self.up), len(rolls), len(pitches)))
+        for i, roll in enumerate(rolls.tolist()):
+            for j, pitch in enumerate(pitches.tolist()):
+                up = _turned(self.up, self.mount, roll, pitch)[self.frame]
+                miss = np.einsum("ij,ij->i", self.normal, up)
+                vote = self.weight * np.maximum(0.0, 1.0 - np.square(miss / tolerance))
+                votes[:, i, j] = np.bincount(self.frame, vote, len(self.up))
+        return votes
+
+    def agreement(self, roll: float, pitch: float) -> Floats:
+        """(frames,) how well the level edges agree under a mount."""
+        up = _turned(self.up, self.mount, roll, pitch)
+        return _agreement(self.normal, self.weight, self.frame, up[self.frame])
 
 
-def _agreement(normal: Floats, weight: Floats, frame: NDArray[np.int64], up: Floats) -> float:
-    """How well edges agree modulo 90 degrees in azimuth, each frame by itself, if all were level.
+def _level_pitch(edges: _Edges, roll: float, pitch: float) -> Angle | None:
+    """The pitch correction by the level edges alone; None where their best is the largest that was tried."""
+    shifts = pitch + LEVEL
+    votes = np.array([edges.agreement(roll, shift) for shift in shifts.tolist()]).T
+    drawn = [_refined(each, int(np.argmax(each)), shifts) for each in _drawn(votes)]
+    place = int(np.argmax(votes.sum(axis=0)))
+    if not 0 < place < len(LEVEL) - 1:
+        return None
+    return Angle(_refined(votes.sum(axis=0), place, shifts), float(np.std(drawn)))
+
+
+def _both(vertical: Angle, level: Angle | None) -> Angle:
+    """The mean of two opinions by their certainty where they agree, else the verticals'."""
+    if level is None or abs(level.correction - vertical.correction) > AGREES:
+        return vertical
+    first, second = (1 / max(one.sd, LEAST_SD) ** 2 for one in (vertical, level))
+    mean = (first * vertical.correction + second * level.correction) / (first + second)
+    return Angle(float(mean), min(vertical.sd, level.sd), vertical.at_limit)
+
+
+def _agreement(normal: Floats, weight: Floats, frame: NDArray[np.int64], up: Floats) -> Floats:
+    """(frames,) how well edges agree modulo 90 degrees in azimuth if all were level.
 
     Args:
         normal: (N, 3), `weight` (N,), `frame` (N,), of the edges.
@@ -143,31 +182,41 @@ def _agreement(normal: Floats, weight: Floats, frame: NDArray[np.int64], up: Flo
         (frame * AZIMUTH_BINS + bins)[use], (weight * level)[use], frames * AZIMUTH_BINS
     ).reshape(frames, AZIMUTH_BINS)
     smooth = sum(share * np.roll(counts, shift, axis=1) for shift, share in _SMOOTHING)
-    return float(np.max(smooth, axis=1).sum())
+    return np.asarray(np.max(smooth, axis=1))
 
 
-def _peak(votes: Floats) -> tuple[float, float]:
+def _peak(votes: Floats, rolls: Floats, pitches: Floats) -> tuple[float, float]:
     """Roll and pitch of the most votes, rad, between the grid's points."""
     i, j = (int(k) for k in np.unravel_index(np.argmax(votes), votes.shape))
-    return _refined(votes[:, j], i), _refined(votes[i], j)
+    return _refined(votes[:, j], i, rolls), _refined(votes[i], j, pitches)
 
 
-def _refined(votes: Floats, place: int) -> float:
+def _refined(votes: Floats, place: int, grid: Floats) -> float:
     """The top of the parabola through a maximum and its neighbours."""
     if not 0 < place < len(votes) - 1:
-        return float(GRID[place])
+        return float(grid[place])
     before, top, after = votes[place - 1 : place + 2].tolist()
     bend = before - 2 * top + after
-    return float(GRID[place] + (0.5 * (before - after) / bend if bend else 0.0) * (GRID[1] - GRID[0]))
+    return float(grid[place] + (0.5 * (before - after) / bend if bend else 0.0) * (grid[1] - grid[0]))
 
 
-def _spread(votes: Floats) -> tuple[float, float]:
-    """Standard deviations of the peak when parts of the recording are drawn anew (block bootstrap)."""
+def _drawn(votes: Floats) -> Iterator[Floats]:
+    """The votes of all frames when parts of the recording are drawn anew (block bootstrap)."""
     draws = np.random.default_rng(0)
     parts = np.array([part.sum(axis=0) for part in np.array_split(votes, min(PARTS, len(votes)))])
-    peaks = []
     for _ in range(RESAMPLES):
         times = np.bincount(draws.integers(0, len(parts), len(parts)), minlength=len(parts))
-        peaks.append(_peak(np.tensordot(times.astype(np.float64), parts, axes=1)))
-    roll, pitch = np.std(np.array(peaks), axis=0).tolist()
-    return roll, pitch
+        yield np.tensordot(times.astype(np.float64), parts, axes=1)
+
+
+def _spread(votes: Floats, rolls: Floats, pitches: Floats) -> Floats:
+    """(2,) standard deviations of the peak's roll and pitch."""
+    return np.asarray(np.std([_peak(drawn, rolls, pitches) for drawn in _drawn(votes)], axis=0))
+
+
+def _leaps(rough: Floats) -> Floats:
+    """(2,) standard deviations of the coarse peak as far as it leaps by more than a step."""
+    best = np.array(np.unravel_index(np.argmax(rough.sum(axis=0)), rough.shape[1:]))
+    places = np.array([np.unravel_index(np.argmax(drawn), drawn.shape) for drawn in _drawn(rough)])
+    far = np.maximum(np.abs(places - best) - 1, 0) * (COARSE[1] - COARSE[0])
+    return np.asarray(np.sqrt(np.square(far).mean(axis=0)))

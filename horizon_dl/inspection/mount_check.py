@@ -43,6 +43,10 @@ class MountCheck:
         roll, pitch = (stated + (one.correction if _is_off(one) else 0.0) for stated, one in angles)
         return [round(math.degrees(angle), 1) + 0.0 for angle in (roll, pitch, self.stated_rpy_rad[2])]
 
+    def is_worth(self, angle: Angle, least_rad: float) -> bool:
+        """Whether an angle is surely off by at least this much."""
+        return _is_off(angle) and abs(angle.correction) >= least_rad
+
     @property
     def is_off(self) -> bool:
         """Whether the images speak against the stated mount."""

@@ -1,6 +1,5 @@
 """The folder of an online run while it runs: checkpoint, one line a frame, TensorBoard logs."""
 
-import re
 import sys
 import time
 from pathlib import Path
@@ -20,7 +19,6 @@ from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_chec
 
 CHECKPOINT, FRAMES, LOGS, LOCK = "checkpoint.safetensors", "frames.jsonl", "logs", ".lock"
 KIND = "online"
-LEFT_OVER = re.compile(r"\..+\.part|\.tmp\w{6}")
 FREE_KEYS = ("checkpoint_frames", "checkpoint_s")
 """Settings under `online` that may change from one start to the next."""
 
@@ -51,7 +49,6 @@ class RunKeeper:
             make_folder(folder)
             check_own(folder, overwrite)
             self._lock = _locked(folder)
-            _remove_left_overs(folder)
             claim_folder(folder, KIND, overwrite=overwrite, anew=restart or overwrite)
             if restart or overwrite:
                 _clear(folder)
@@ -143,13 +140,6 @@ def check_own(folder: Path, overwrite: bool) -> None:
     """Nothing is touched in a folder that is neither empty nor a run's; see `claim_folder`."""
     if not overwrite and not is_own(folder, KIND):
         check_free(folder)
-
-
-def _remove_left_overs(folder: Path) -> None:
-    """What a killed run wrote half: checkpoints, and safetensors' own files beside them."""
-    for path in folder.glob(".*"):
-        if path.is_file() and LEFT_OVER.fullmatch(path.name):
-            path.unlink(missing_ok=True)
 
 
 def _clear(folder: Path) -> None:

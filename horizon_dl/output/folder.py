@@ -1,5 +1,6 @@
 """Folders of results: tried before the work, filled as a whole, and never at the cost of what they held."""
 
+import re
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -11,6 +12,7 @@ from horizon_dl.output.manifest import Manifest, hashes, held_by, read_manifest,
 from horizon_dl.output.stage import Stage, clean_left_overs
 from horizon_dl.processes import is_helper
 
+HALF_WRITTEN = re.compile(r"\..+\.part|\.tmp\w{6}")
 OVERWRITE = "give another --out, or replace it with --overwrite"
 
 
@@ -79,13 +81,27 @@ def claim_folder(out: Path, kind: str, *, overwrite: bool = False, anew: bool = 
     """
     make_folder(out)
     clean_left_overs(out)
-    own = is_own(out, kind)
+    try:
+        own = is_own(out, kind)
+    except InputError:  # a damaged manifest: whose the folder is cannot be told
+        if not overwrite:
+            raise
+        own = False
     if not (own or overwrite):
         check_free(out)
+    if own:
+        _remove_half_written(out)
     if not own or anew:
         with Stage(out) as stage:
             write_manifest(stage.new, Manifest(kind))
             stage.commit(earlier_files(out))
+
+
+def _remove_half_written(out: Path) -> None:
+    """Checkpoints that a killed run wrote half, and safetensors' own files beside them."""
+    for path in out.glob(".*"):
+        if path.is_file() and HALF_WRITTEN.fullmatch(path.name):
+            path.unlink(missing_ok=True)
 
 
 def check_free(out: Path) -> None:

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import math
 import sys
 import tempfile
 import time
@@ -17,10 +18,11 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--only", action="append", metavar="TARGET", help="repeatable")
+    parser.add_argument("--seconds", type=float, default=math.inf, help="end after this time")
     arguments = parser.parse_args()
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as place:
-        found = run_cases(Path(place), arguments.count, arguments.seed, arguments.only)
+        found = run_cases(Path(place), arguments.count, arguments.seed, arguments.only, arguments.seconds)
     print(json.dumps(found.summary(), indent=1))
     for fault in found.faults[:50]:
         print(fault)

@@ -1,5 +1,6 @@
 """Runs cases in process, each with a budget of time and memory."""
 
+import math
 import random
 import resource
 import signal
@@ -10,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -45,17 +47,23 @@ class Hangs(BaseException):
     """A case takes too long."""
 
 
-def run_cases(place: Path, count: int, seed: int, only: list[str] | None = None) -> Found:
-    """`count` cases; the same seed gives the same ones."""
+def run_cases(
+    place: Path, count: int, seed: int, only: list[str] | None = None, most_s: float = math.inf
+) -> Found:
+    """`count` cases, or as many as there is time for; the same seed gives the same ones."""
     found, chance = Found(), random.Random(seed)
     every = [target for target in targets(place) if not only or target.name in only]
+    cases = {target.name: target.prepare() for target in every}
     shares = [target.share for target in every]
     with warnings.catch_warnings():
         warnings.filterwarnings("error", category=RuntimeWarning, module="horizon_dl")
+        end = time.monotonic() + most_s
         for number in range(count):
+            if time.monotonic() > end:
+                break
             target = chance.choices(every, shares)[0]
             own = random.Random(f"{seed} {number}")
-            _one(found, target.name, number, lambda target=target, own=own: target.case(own))
+            _one(found, target.name, number, partial(cases[target.name], own))
     return found
 
 

@@ -9,6 +9,7 @@ import tarfile
 import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import make_sets
@@ -18,13 +19,13 @@ import yaml
 from PIL import Image
 
 from fuzz.mutations import bomb, damaged
+from fuzz.streams import film, ros_bag
 from horizon_dl.config import Config, load_config
 from horizon_dl.config_file import config_folder
 from horizon_dl.data.attitude_log import read_attitude
 from horizon_dl.data.calibration.calibration import read_calibration
 from horizon_dl.data.download.fetch import _read_sums
 from horizon_dl.data.download.unpack import unpack
-from horizon_dl.data.given import Given
 from horizon_dl.data.images import load_rgb, load_truth, load_uint16
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError
@@ -35,6 +36,7 @@ from horizon_dl.training.run_files import FILES
 from horizon_dl.training.run_folder import load_run
 from horizon_dl.training.tensor_file import _hash_with_blank, _place_of_hash
 
+Case = Callable[[random.Random], None]
 TEXT = {".csv", ".txt", ".yaml", ".json"}
 
 
@@ -45,12 +47,13 @@ class Target:
     Attributes:
         name: for reports.
         share: of all cases.
-        case: makes and reads one input; anything but the documented errors that it raises is a fault.
+        prepare: makes the material; what it gives makes and reads one input, and anything but the documented
+            errors that that raises is a fault.
     """
 
     name: str
     share: float
-    case: Callable[[random.Random], None]
+    prepare: Callable[[], Case]
 
 
 def targets(place: Path) -> list[Target]:
@@ -63,21 +66,23 @@ def targets(place: Path) -> list[Target]:
         "euroc": make_sets.euroc,
         "euroc_truth": lambda folder: make_sets.euroc(folder, truth=True),
     }
-    readers = [Target(name, 8, _reader(place / name, make)) for name, make in makers.items()]
+    readers = [Target(name, 8, partial(_reader, place / name, make)) for name, make in makers.items()]
     return [
         *readers,
-        Target("image", 10, _image(place / "image")),
-        Target("camera_file", 10, _camera_file(place / "camera")),
-        Target("attitude", 5, _attitude(place / "attitude")),
-        Target("config", 8, _config(place / "config")),
-        Target("override", 8, _override()),
-        Target("archive", 4, _archive(place / "archive")),
-        Target("checkpoint", 6, _checkpoint(place / "checkpoint")),
-        Target("manifest", 5, _manifest(place / "manifest")),
-        Target("sums", 2, _sums(place / "sums")),
-        Target("run_folder", 2, _run_folder(place / "run")),
-        Target("model_file", 3, _model_file(place / "model")),
-        Target("card", 0.3, _card(place / "card")),
+        Target("image", 10, partial(_image, place / "image")),
+        Target("camera_file", 10, partial(_camera_file, place / "camera")),
+        Target("attitude", 5, partial(_attitude, place / "attitude")),
+        Target("config", 8, partial(_config, place / "config")),
+        Target("override", 8, _override),
+        Target("archive", 4, partial(_archive, place / "archive")),
+        Target("checkpoint", 6, partial(_checkpoint, place / "checkpoint")),
+        Target("manifest", 5, partial(_manifest, place / "manifest")),
+        Target("sums", 2, partial(_sums, place / "sums")),
+        Target("run_folder", 2, partial(_run_folder, place / "run")),
+        Target("model_file", 3, partial(_model_file, place / "model")),
+        Target("card", 0.3, partial(_card, place / "card")),
+        Target("film", 1, partial(film, place / "film")),
+        Target("ros_bag", 1, partial(ros_bag, place / "bags")),
     ]
 
 
@@ -111,7 +116,7 @@ def _files(folder: Path, suffixes: set[str]) -> dict[str, bytes]:
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
 
 
-def _reader(folder: Path, make: Callable[[Path], Path]) -> Callable[[random.Random], None]:
+def _reader(folder: Path, make: Callable[[Path], Path]) -> Case:
     make(folder)
     whole = _files(folder, {*TEXT, ".png", ".jpg"})
     texts = {name: content for name, content in whole.items() if Path(name).suffix in TEXT}
@@ -130,7 +135,7 @@ def _reader(folder: Path, make: Callable[[Path], Path]) -> Callable[[random.Rand
     return case
 
 
-def _image(folder: Path) -> Callable[[random.Random], None]:
+def _image(folder: Path) -> Case:
     folder.mkdir(parents=True)
     pixels = np.random.default_rng(0).integers(0, 255, (24, 32, 3), dtype=np.uint8)
     whole = {}
@@ -158,7 +163,7 @@ def _image(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _camera_file(folder: Path) -> Callable[[random.Random], None]:
+def _camera_file(folder: Path) -> Case:
     folder.mkdir(parents=True)
     path = folder / "camera.yaml"
     make_sets.euroc(folder / "euroc")
@@ -189,7 +194,7 @@ def _camera_file(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _attitude(folder: Path) -> Callable[[random.Random], None]:
+def _attitude(folder: Path) -> Case:
     folder.mkdir(parents=True)
     path = folder / "log.csv"
     rows = "".join(f"{t / 10},0.1,-0.2,{t / 7},1.5\n" for t in range(20))
@@ -206,7 +211,7 @@ def _attitude(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _config(folder: Path) -> Callable[[random.Random], None]:
+def _config(folder: Path) -> Case:
     folder.mkdir(parents=True)
     whole = (config_folder() / "default.yaml").read_bytes()
     short = yaml.safe_dump(Config().model_dump(mode="json")).encode()
@@ -220,7 +225,7 @@ def _config(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _override() -> Callable[[random.Random], None]:
+def _override() -> Case:
     whole = (
         "train.rounds=[300, 400]",
         "model.kind=fcn",
@@ -236,7 +241,7 @@ def _override() -> Callable[[random.Random], None]:
     return case
 
 
-def _archive(folder: Path) -> Callable[[random.Random], None]:
+def _archive(folder: Path) -> Case:
     folder.mkdir(parents=True)
     (folder / "a").mkdir()
     (folder / "a" / "frames.csv").write_text("image,time_s\n" * 20)
@@ -261,7 +266,7 @@ def _archive(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _checkpoint(folder: Path) -> Callable[[random.Random], None]:
+def _checkpoint(folder: Path) -> Case:
     folder.mkdir(parents=True)
     path = folder / "checkpoint.safetensors"
     write_checkpoint(
@@ -281,7 +286,7 @@ def _checkpoint(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _manifest(folder: Path) -> Callable[[random.Random], None]:
+def _manifest(folder: Path) -> Case:
     from horizon_dl.output import output_folder
 
     with output_folder(folder, "test") as out:
@@ -296,7 +301,7 @@ def _manifest(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _sums(folder: Path) -> Callable[[random.Random], None]:
+def _sums(folder: Path) -> Case:
     folder.mkdir(parents=True)
     whole = f"{'0' * 64}  a.zip\n{'1' * 64}  b.tgz\n".encode()
 
@@ -307,7 +312,7 @@ def _sums(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _run_folder(folder: Path) -> Callable[[random.Random], None]:
+def _run_folder(folder: Path) -> Case:
     from small_run import small_run_folder
 
     shutil.copytree(small_run_folder(), folder)
@@ -328,7 +333,7 @@ def _run_folder(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _model_file(folder: Path) -> Callable[[random.Random], None]:
+def _model_file(folder: Path) -> Case:
     from small_run import model_file
 
     folder.mkdir(parents=True)
@@ -342,7 +347,7 @@ def _model_file(folder: Path) -> Callable[[random.Random], None]:
     return case
 
 
-def _card(folder: Path) -> Callable[[random.Random], None]:
+def _card(folder: Path) -> Case:
     """A whole model file whose card is damaged, with a checksum that fits."""
     from small_run import small_export
 
@@ -367,6 +372,3 @@ def _card(folder: Path) -> Callable[[random.Random], None]:
         load_file_run(path)
 
     return case
-
-
-GIVEN = Given()

@@ -99,8 +99,9 @@ def camera_of(bag: Bag, topic: Topic, image: str, size: tuple[int, int]) -> Cali
 
 
 def _first(bag: Bag, topic: Topic) -> Any:
-    _, payload = next(iter(bag.messages(topic)))
-    return decoder(bag, topic)(payload)
+    for _, payload in bag.messages(topic):
+        return decoder(bag, topic)(payload)
+    raise InputError(bag.path, f"holds no message of {topic.name}", "it was cut off; copy it again")
 
 
 def _field(info: Any, name: str) -> Any:

@@ -34,8 +34,14 @@ def check_named(bag: Bag, named: Sequence[str]) -> None:
 
 
 def first_message(bag: Bag, topic: Topic) -> Any:
-    """The first message of a topic."""
-    return decoder(bag, topic)(next(iter(bag.messages(topic)))[1])
+    """The first message of a topic.
+
+    Raises:
+        InputError: there is none, though the bag's index counts some.
+    """
+    for _, raw in bag.messages(topic):
+        return decoder(bag, topic)(raw)
+    raise InputError(bag.path, f"holds no message of {topic.name}", "it was cut off; copy it again")
 
 
 def image_topic(bag: Bag, named: Sequence[str]) -> Topic:

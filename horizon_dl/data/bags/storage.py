@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from horizon_dl.data.bags.files import MAGIC, PACKED, bag_files, begin, kind_of
 from horizon_dl.data.bags.unpack import unpack_file, unpacked
 from horizon_dl.errors import InputError
 
-SUFFIXES = (".bag", ".db3", ".mcap")
-PACKED = ".zstd"
-MAGIC = (b"#ROSBAG V", b"\x89MCAP0\r\n")
 WAYS_OUT = {
     ".bag": "copy it again, or run `rosbag reindex` on it",
     ".db3": "copy it again, or run `sqlite3 OLD.db3 .recover`",
@@ -40,32 +38,6 @@ class Topic:
     ros2: bool
 
 
-def bag_files(path: Path) -> list[Path]:
-    """The files of a bag: itself, or those of a folder; none where it is no bag.
-
-    metadata.yaml is not asked: it names splits that were not copied, and is missing after a power cut.
-    """
-    if path.is_dir():
-        found = [one for one in path.iterdir() if one.is_file() and _kind_of(one) in SUFFIXES]
-        return sorted(found, key=lambda one: (len(one.name), one.name))  # _10 follows _9
-    if not path.is_file():
-        return []
-    return [path] if _kind_of(path) in SUFFIXES or _starts_as_bag(path) else []
-
-
-def _kind_of(path: Path) -> str:
-    suffixes = [one.lower() for one in path.suffixes if one.lower() != PACKED]
-    return suffixes[-1] if suffixes else ""
-
-
-def _starts_as_bag(path: Path) -> bool:
-    try:
-        with path.open("rb") as file:
-            return file.read(9).startswith(MAGIC)
-    except OSError:
-        return False
-
-
 @contextmanager
 def reading(path: Path) -> Iterator[None]:
     """Turns whatever damaged bytes cause in the library into an InputError."""
@@ -76,7 +48,7 @@ def reading(path: Path) -> Iterator[None]:
     except Exception as error:  # the library lets through what the damage causes: struct, assert, sqlite, ...
         said = " ".join(str(error).replace(str(path), path.name).split())[:120].rstrip(".")
         why = said or type(error).__name__
-        way_out = WAYS_OUT.get(_kind_of(path), "copy it again")
+        way_out = WAYS_OUT.get(kind_of(path), "copy it again")
         raise InputError(path, f"cannot be read as a ROS bag ({why})", way_out) from None
 
 
@@ -113,10 +85,10 @@ class Bag:
             from rosbags import rosbag1, rosbag2
         except ImportError:
             raise InputError(file, "is a ROS bag", "install horizon-dl[logs] to read it") from None
-        kind = _kind_of(file)
+        kind = kind_of(file)
         if file.suffix.lower() == PACKED:
             file = self._unpacked_file(file)
-        is_first = kind == ".bag" or file.open("rb").read(9) == MAGIC[0]
+        is_first = kind == ".bag" or begin(file).startswith(MAGIC[0])
         reader: Any = rosbag1.Reader(file) if is_first else rosbag2.Reader(file)
         reader.open()
         weakref.finalize(self, reader.close)

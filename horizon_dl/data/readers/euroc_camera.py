@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.calibration.calibration import Calibration, Fields, load_yaml, read_calibration
-from horizon_dl.data.calibration.calibration_kinds import body_from_camera, euroc_sensor
+from horizon_dl.data.calibration.calibration import Calibration, read_calibration
+from horizon_dl.data.calibration.euroc import body_from_camera, sensor_camera
+from horizon_dl.data.calibration.fields import Fields
+from horizon_dl.data.calibration.tree import read_tree
 from horizon_dl.data.given import Given
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
@@ -60,16 +62,17 @@ def read_euroc_camera(root: Path, cam: Path, ups_body: Floats, given: Given) -> 
         InputError: no calibration is there, or none that tells how the camera sits on the IMU.
     """
     path = given.camera or _find(root, cam)
-    fields = Fields(path, load_yaml(path))
+    fields = Fields(path, read_tree(path))
     if "T_BS" in fields.content and "resolution" in fields.content:
-        return EurocCamera(euroc_sensor(fields).camera, body_from_camera(fields).T)
-    calibration = read_calibration(path)
+        return EurocCamera(sensor_camera(fields), body_from_camera(fields).T)
+    chained = isinstance(fields.content.get(cam.name), dict)
+    calibration = read_calibration(path, name=cam.name if chained else None)
     stated = _stated(fields, cam.name, calibration)
     if stated is not None:
         return EurocCamera(calibration.camera, stated)
     sensor = cam / "sensor.yaml"
-    if sensor.is_file() and "T_BS" in load_yaml(sensor):
-        return EurocCamera(calibration.camera, body_from_camera(Fields(sensor, load_yaml(sensor))).T)
+    if sensor.is_file() and "T_BS" in read_tree(sensor):
+        return EurocCamera(calibration.camera, body_from_camera(Fields(sensor, read_tree(sensor))).T)
     name, rotation = _known_rig(path, cam, ups_body, calibration.camera)
     note = f"{path.name} does not say how the camera sits on the IMU: that of {name}'s own rig is taken"
     return EurocCamera(calibration.camera, rotation, note)

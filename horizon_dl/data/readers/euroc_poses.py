@@ -5,8 +5,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.calibration.calibration import Fields, load_yaml
-from horizon_dl.data.calibration.calibration_kinds import body_from_camera
+from horizon_dl.data.calibration.euroc import body_from_camera
+from horizon_dl.data.calibration.fields import Fields
+from horizon_dl.data.calibration.tree import read_tree
 from horizon_dl.data.readers.parsing import (
     MAX_GAP_S,
     by_time,
@@ -70,5 +71,5 @@ def _mount(folder: Path) -> Floats:
     path = folder / "sensor.yaml"
     if not path.is_file():
         return np.eye(3)
-    fields = Fields(path, load_yaml(path))
+    fields = Fields(path, read_tree(path))
     return body_from_camera(fields) if "T_BS" in fields.content else np.eye(3)

@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.attitude_log import read_attitude
 from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
+from horizon_dl.data.images import MOST_PIXELS
 from horizon_dl.data.source import Pixels, Recording
 from horizon_dl.errors import FrameError, InputError
 
 NAME = "film"
 NEEDS = "a film (mp4, mov, avi, mkv, webm), with --camera and --attitude"
+DAMAGED = (OSError, ValueError, ArithmeticError, LookupError, RuntimeError, MemoryError)
 SUFFIXES = {".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ts"}
 
 
@@ -31,7 +34,7 @@ def read(path: Path, given: Given) -> Recording:
     Raises:
         InputError: it is no film, or --camera or --attitude is missing or wrong.
     """
-    calibration = None if given.camera is None else read_calibration(given.camera)
+    calibration = None if given.camera is None else read_calibration(given.camera, imu_axes=given.imu_axes)
     log = None if given.attitude is None else read_attitude(given.attitude)
     if given.needs_attitude and (log is None or calibration is None):
         missing = "--attitude" if log is None else "--camera"
@@ -53,6 +56,8 @@ def read(path: Path, given: Given) -> Recording:
         headers,
         FilmLoader(path, tuple(stamps), turns),
         None if calibration is None else calibration.mount_rpy_rad,
+        () if calibration is None else calibration.notes,
+        reading=None if calibration is None else reading_with(Convention(), calibration.mount_rpy_rad),
     )
 
 
@@ -64,8 +69,11 @@ def time_stamps(path: Path) -> tuple[list[int], list[float]]:
     """
     with _opened(path) as container:
         stream = container.streams.video[0]
-        stamps = sorted(packet.pts for packet in container.demux(stream) if packet.pts is not None)
-        unit_s = float(stream.time_base)
+        try:
+            stamps = sorted(packet.pts for packet in container.demux(stream) if packet.pts is not None)
+            unit_s = float(stream.time_base)
+        except (*DAMAGED, TypeError) as error:
+            raise InputError(path, f"is damaged ({type(error).__name__})", "copy it again") from None
     if not stamps:
         raise InputError(path, "holds no frames", "copy it again")
     return stamps, [(stamp - stamps[0]) * unit_s for stamp in stamps]
@@ -91,10 +99,15 @@ class FilmLoader:
         """See `Loader`."""
         if self._images is None or not self._next <= index < self._next + 30:
             self._images = _decoded(self.path, self.stamps[index])
-        for stamp, image in self._images:
-            if stamp >= self.stamps[index]:
-                self._next = index + 1
-                return Pixels(np.ascontiguousarray(np.rot90(image, self.rotate_quarter_turns_ccw)))
+        try:
+            for stamp, image in self._images:
+                if stamp >= self.stamps[index]:
+                    self._next = index + 1
+                    return Pixels(np.ascontiguousarray(np.rot90(image, self.rotate_quarter_turns_ccw)))
+        except DAMAGED as error:  # FFmpeg's errors are all one of these
+            self._images = None
+            problem = f"cannot be decoded at frame {index} ({type(error).__name__})"
+            raise FrameError(self.path, problem, "copy the film again") from None
         self._images = None
         raise FrameError(self.path, f"ends before frame {index}", "copy the film again")
 
@@ -109,6 +122,8 @@ def _decoded(path: Path, stamp: int) -> Iterator[tuple[int, NDArray[np.uint8]]]:
         stream.thread_type = "AUTO"
         container.seek(stamp, stream=stream)
         for frame in container.decode(stream):
+            if frame.width * frame.height > MOST_PIXELS:
+                raise ValueError("a frame is too large")
             if frame.pts is not None:
                 yield frame.pts, frame.to_ndarray(format="rgb24")
 

@@ -29,7 +29,7 @@ def read(path: Path, given: Given) -> Recording:
     """
     constant = None if given.attitude is None else read_attitude(given.attitude, given)
     if isinstance(constant, ConstantAttitude) and given.camera is not None:
-        return _with_attitude(path, constant, read_calibration(given.camera))
+        return _with_attitude(path, constant, read_calibration(given.camera, imu_axes=given.imu_axes))
     if given.needs_attitude:
         raise InputError(
             path,

@@ -9,9 +9,12 @@ import math
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude, read_attitude
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
+from horizon_dl.data.calibration.picture_size import picture_size
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
@@ -45,13 +48,15 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     table = read_table(path)
     columns = find_columns(table)
     require(table, columns, ("image", "time"))
-    calibration = read_calibration(given.camera or folder / "camera.yaml")
     times, notes = read_times(table, columns, given, CAMERA_STEPS)
     cells = table.texts(columns["image"].name)
     for index, cell in enumerate(cells):
         if not cell or not math.isfinite(times[index]):
             raise InputError(path, f"row {index + 1} has no image or no time", "complete or remove the row")
     images = image_paths(path, cells)
+    calibration = read_calibration(
+        given.camera or folder / "camera.yaml", size=picture_size(images), imu_axes=given.imu_axes
+    )
     names = [relative_name(image, folder) for image in images]
     headers, more_notes = _headers(table, columns, names, times.tolist(), calibration, given)
     truths, depths = (files_beside(folder, kind, names) for kind in ("labels", "depth"))
@@ -65,7 +70,8 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         attitude_from=given.attitude or "the columns roll_rad and pitch_rad",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         mount_rpy_rad=calibration.mount_rpy_rad,
-        notes=(*notes, *more_notes),
+        notes=(*calibration.notes, *notes, *more_notes),
+        reading=reading_with(Convention(), calibration.mount_rpy_rad),
     )
 
 
@@ -92,6 +98,7 @@ def _headers(
             up_in_camera(attitude, mount) if np.isfinite(attitude).all() else None,
             _known(rows.yaws_rad[index]),
             _known(rows.heights_m[index]),
+            as_read=_numbers(rows.as_read, index) if np.isfinite(attitude).all() else None,
         )
         for index, (name, attitude) in enumerate(zip(names, rows.quaternions, strict=True))
     ]
@@ -105,6 +112,10 @@ def _headers_by_log(
     check_overlap(Path(given.attitude or ""), np.array(times_s) - offset_s, log.times_s)
     pairs = zip(names, times_s, strict=True)
     return [log.header(name, time_s, mount, offset_s) for name, time_s in pairs], log.notes
+
+
+def _numbers(as_read: NDArray[np.float64] | None, index: int) -> tuple[float, ...] | None:
+    return None if as_read is None else tuple(as_read[index].tolist())
 
 
 def _known(value: float) -> float | None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.calibration.calibration import MAX_SIDE_PX
+from horizon_dl.data.calibration.limits import MAX_SIDE_PX
 from horizon_dl.data.readers.parsing import read_lines
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera

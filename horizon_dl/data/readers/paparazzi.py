@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.data.calibration.picture_size import picture_size
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
@@ -67,8 +69,10 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         listed = ", ".join(place.name for place, _ in flights)
         raise InputError(folder, f"holds {len(flights)} flights: {listed}", "give the folder of one of them")
     place, log = flights[0]
-    calibration = read_calibration(given.camera or _near(place, "camera.yaml"))
     images = _images(place)
+    calibration = read_calibration(
+        given.camera or _near(place, "camera.yaml"), size=picture_size(images), imu_axes=given.imu_axes
+    )
     image_times = np.array([int(path.stem) * 1e-6 for path in images])
     times, quaternions, heights, flying = read_log(log)
     check_overlap(log, image_times, times)
@@ -86,9 +90,11 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
             up_cam=None if attitude is None else up_in_camera(attitude, calibration.mount_rpy_rad),
             yaw_rad=None if attitude is None else yaw_of(attitude),
             height_m=height if math.isfinite(height) else None,
+            as_read=None if attitude is None else tuple(attitude.tolist()),
         )
         frames.append((header, FrameFiles(path, truth)))
     left_out = len(images) - len(frames)
+    notes = [f"{left_out} of {len(images)} images left out: on the ground"] if left_out else []
     if not frames:
         raise InputError(log, f"all {left_out} images were taken on the ground", "give a log of a flight")
     return image_recording(
@@ -100,7 +106,8 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         attitude_from="the log",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         mount_rpy_rad=calibration.mount_rpy_rad,
-        notes=(f"{left_out} of {len(images)} images left out: on the ground",) if left_out else (),
+        reading=reading_with(Convention(), calibration.mount_rpy_rad),
+        notes=(*notes, *calibration.notes),
     )
 
 

@@ -51,6 +51,9 @@ MODULES: tuple[Reader, ...] = (
 DEEPEST, MOST_FOLDERS = 3, 300
 """How far below a folder its recordings are looked for."""
 
+OWN_ATTITUDE = {"kitti", "tum", "euroc", "paparazzi", "tartanair"}
+OWN_CAMERA = {"kitti", "kitti_odometry"}
+
 READERS = {reader.NAME: reader for reader in MODULES}
 FORMATS: tuple[str, ...] = tuple(READERS)
 
@@ -73,7 +76,19 @@ def open_recording(path: Path, format: str | None = None, given: Given = NOTHING
         raise InputError(f"--format {format}", problem, "choose one of " + ", ".join(readers))
     if given.attitude == FROM_IMAGES:
         return with_attitude_from_images(readers[format].read(path, camera_alone(given)))
-    return readers[format].read(path, given)
+    _check_given(format, given)
+    recording = readers[format].read(path, given)
+    return recording if given.convention is None else recording.read_as(given.convention)
+
+
+def _check_given(format: str, given: Given) -> None:
+    """InputError where something is given that the data set has itself: it would be left out in silence."""
+    if given.attitude is not None and format in OWN_ATTITUDE:
+        problem = f"has no meaning for {format}, which has its own"
+        raise InputError(f"--attitude {given.attitude}", problem, "leave it out")
+    if given.camera is not None and format in OWN_CAMERA:
+        problem = f"has no meaning for {format}, which has its own"
+        raise InputError(f"--camera {given.camera}", problem, "leave it out")
 
 
 def recognise(path: Path) -> str:

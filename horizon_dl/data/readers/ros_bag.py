@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from horizon_dl.data.attitude_log import read_attitude
 from horizon_dl.data.bags.camera_info import camera_of, info_topic
 from horizon_dl.data.bags.choose import check_named, first_message, image_topic, up_series
+from horizon_dl.data.bags.files import bag_files
 from horizon_dl.data.bags.loader import BagLoader, Place, placed
 from horizon_dl.data.bags.messages import NANOSECOND, stamp_of
 from horizon_dl.data.bags.mounted import Mounted, mounted
 from horizon_dl.data.bags.pixels import bits_of, picture
-from horizon_dl.data.bags.storage import Bag, Topic, bag_files
+from horizon_dl.data.bags.storage import Bag, Topic
 from horizon_dl.data.bags.transforms import read_transforms
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.frame import FrameHeader
@@ -97,7 +98,7 @@ def _calibration(
     bag: Bag, images: Topic, frame: str, shape: tuple[int, ...], given: Given
 ) -> tuple[Calibration | None, tuple[str, ...]]:
     if given.camera is not None:
-        return read_calibration(given.camera), ()
+        return read_calibration(given.camera, imu_axes=given.imu_axes), ()
     info = info_topic(bag, images.name, frame, given.topics)
     calibration = None if info is None else camera_of(bag, info, images.name, (shape[1], shape[0]))
     if calibration is not None and info is not None:

@@ -4,12 +4,15 @@ The ground truth holds quaternions x y z w, camera optical to a world with z up.
 A Benchmark for the Evaluation of RGB-D SLAM Systems, IROS 2012.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.calibration.calibration import Calibration, read_calibration
+from horizon_dl.data.calibration.picture_size import picture_size
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
@@ -75,14 +78,19 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     check_overlap(truth, np.array([time_s for time_s, _ in images]), times)
     counted = _counts_frames([time_s for time_s, _ in images]) and _counts_frames(times.tolist())
     world = find_world(poses, certain=counted or truth.suffix == ".freiburg")
-    calibration = find_camera(folder, truth, given)
+    calibration = find_camera(folder, truth, given, [folder / name for _, name in images])
     names = [name for _, name in images]
     truths = files_beside(folder, "labels", names)
     depths = find_depths(folder)
     frames = []
     for index, (time_s, name) in enumerate(images):
         seconds = time_s / FRAME_RATE_HZ if counted else time_s
-        header = FrameHeader(name, seconds, *pose_at(times, poses, time_s, world))
+        header = FrameHeader(
+            name,
+            seconds,
+            *pose_at(times, poses, time_s, world),
+            as_read=_numbers_at(times, poses, time_s),
+        )
         depth = nearest_depth(folder, depths, time_s)
         image = inside_folder(folder / "rgb.txt", folder, name)
         frames.append((header, FrameFiles(image, truths[index], depth)))
@@ -96,7 +104,8 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         attitude_from=truth.name,
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         range_unit=RANGE_UNIT,
-        notes=(*([note] if counted else []), *([world.note] if world.note else [])),
+        reading=reading_with(_convention(world), (0.0, 0.0, 0.0)),
+        notes=(*calibration.notes, *([note] if counted else []), *([world.note] if world.note else [])),
     )
 
 
@@ -120,6 +129,16 @@ def pose_at(
     return unit(world.optical(world_from_cam.T @ world.up)), world.yaw(world_from_cam[:, 2]), height
 
 
+def _convention(world: World) -> Convention:
+    return Convention("ruf" if world.camera_y_up else "rdf", "y" if world.up[1] else "z", "xyzw")
+
+
+def _numbers_at(times_s: Floats, poses: Floats, time_s: float) -> tuple[float, ...] | None:
+    """The quaternion in the file's order at a time; what order that is does not matter to the mean of two."""
+    numbers = interpolate(times_s, poses[:, 3:7], time_s, MAX_GAP_S)
+    return None if numbers is None else tuple(numbers.tolist())
+
+
 def nearest_depth(folder: Path, depths: list[tuple[float, str]], time_s: float) -> Path | None:
     """The depth image nearest in time, if near enough and there."""
     if not depths:
@@ -137,14 +156,15 @@ def _counts_frames(times: list[float]) -> bool:
     return whole and float(np.median(np.diff(sorted(times)))) == 1.0
 
 
-def find_camera(folder: Path, truth: Path, given: Given) -> Calibration:
+def find_camera(folder: Path, truth: Path, given: Given, pictures: Sequence[Path] = ()) -> Calibration:
     """From --camera or camera.yaml, else the published one of the set that comments or names tell of.
 
     Raises:
         InputError: neither is there.
     """
     if given.camera is not None or (folder / "camera.yaml").is_file():
-        return read_calibration(given.camera or folder / "camera.yaml")
+        path = given.camera or folder / "camera.yaml"
+        return read_calibration(path, size=picture_size(pictures), imu_axes=given.imu_axes)
     lists = [path for path in (folder / "rgb.txt", truth) if path.is_file()]
     comments = [line for path in lists for line in read_lines(path) if line.startswith("#")]
     told = "icl-nuim" if truth.suffix == ".freiburg" else ""

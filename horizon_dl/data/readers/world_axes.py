@@ -17,6 +17,10 @@ TURNS = np.cos(np.deg2rad(45.0))
 LEVEL_M = 0.5
 
 Y_UP = "the world's y axis is taken as up: with z up the camera would hardly ever be upright"
+FIRST_CAMERA = (
+    "the trajectory starts in its first camera, which is taken as level: look at check-data's overlays"
+)
+Y_DOWN = "with the world's z axis up the camera is hardly ever upright; with its y axis down it would be"
 NOT_UPRIGHT = "with the world's z axis up the camera is hardly ever upright; with its y axis up it would be"
 
 
@@ -42,7 +46,8 @@ class World:
         """Heading (rad), clockwise seen from above, of a direction (3,) in the world."""
         if self.up is Z:
             return -float(np.arctan2(forward[1], forward[0]))
-        return float(np.arctan2(forward[0], forward[2] if self.camera_y_up else -forward[2]))
+        right_handed = bool(self.up[1] > 0) and not self.camera_y_up
+        return float(np.arctan2(forward[0], -forward[2] if right_handed else forward[2]))
 
 
 Z_UP = World()
@@ -67,10 +72,13 @@ def find_world(poses: Floats, *, certain: bool) -> World:
     if (-y_cam[:, 1] > UPRIGHT).mean() >= NEARLY_ALL:
         sure = certain or _level_along_y(poses) or _turns_about_y(rotations)
         return World(Y, note=Y_UP) if sure else World(note=NOT_UPRIGHT)
-    if certain and (y_cam[:, 1] > UPRIGHT).mean() >= NEARLY_ALL:
-        # ICL-NUIM; a camera on its head would be the only other way to get there.
+    if (y_cam[:, 1] > UPRIGHT).mean() < NEARLY_ALL:
+        return Z_UP
+    if np.allclose(poses[0, :3], 0.0, atol=1e-6) and y_cam[0, 1] > 1 - 1e-6:
+        return World(-Y, note=FIRST_CAMERA)
+    if certain:  # ICL-NUIM: its camera's axes are left-handed, and roll and pitch have other signs than above
         return World(Y, camera_y_up=True, note=f"{Y_UP}; the camera's y axis, too, points up")
-    return Z_UP
+    return World(note=Y_DOWN)
 
 
 def _turns_about_y(rotations: Floats) -> bool:

@@ -29,6 +29,7 @@ class AttitudeColumns:
         quaternions: (N, 4) unit, (w, x, y, z).
         yaws_rad: (N,) clockwise seen from above.
         heights_m: (N,) of the camera over the floor.
+        as_read: (N, 3) roll, pitch, yaw, rad, or (N, 4) quaternions, as the table has them.
         notes: units that were taken although the columns' names say others, a sentence each.
     """
 
@@ -36,6 +37,7 @@ class AttitudeColumns:
     yaws_rad: Floats
     heights_m: Floats
     notes: tuple[str, ...] = ()
+    as_read: Floats | None = None
 
 
 def read_times(table: Table, columns: Columns, given: Given, steps: Steps) -> tuple[Floats, tuple[str, ...]]:
@@ -75,7 +77,7 @@ def read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeColu
     for index in np.flatnonzero(np.isfinite(filled).all(axis=-1)):
         quaternions[index] = quaternion_from_rpy(*filled[index].tolist())
     yaws = np.where(np.isfinite(angles[:, 2]), angles[:, 2], np.nan)
-    return AttitudeColumns(quaternions, yaws, heights_m, notes)
+    return AttitudeColumns(quaternions, yaws, heights_m, notes, filled)
 
 
 def _from_quaternions(table: Table, columns: Columns, heights_m: Floats) -> AttitudeColumns:
@@ -84,7 +86,7 @@ def _from_quaternions(table: Table, columns: Columns, heights_m: Floats) -> Atti
     usable = np.isfinite(lengths) & (lengths > 1e-6)
     quaternions = np.where(usable, raw / np.where(usable, lengths, 1.0), np.nan)
     yaws = [yaw_of(one) if np.isfinite(one).all() else math.nan for one in quaternions]
-    return AttitudeColumns(quaternions, np.array(yaws), heights_m)
+    return AttitudeColumns(quaternions, np.array(yaws), heights_m, as_read=raw)
 
 
 def _angles_rad(table: Table, columns: Columns, given: Given) -> tuple[Floats, tuple[str, ...]]:

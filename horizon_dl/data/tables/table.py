@@ -46,8 +46,12 @@ class Table:
         Raises:
             InputError: a cell holds no number; the error names row and column.
         """
-        values = np.full(len(self.rows), np.nan)
-        for index, cell in enumerate(self.texts(name)):
+        texts = self.texts(name)
+        try:
+            return np.array([float(cell) for cell in texts])
+        except ValueError:  # blank cells, words for nothing, decimal commas
+            values = np.full(len(self.rows), np.nan)
+        for index, cell in enumerate(texts):
             try:
                 values[index] = number(cell)
             except ValueError:
@@ -138,7 +142,14 @@ def find_separator(lines: Sequence[str]) -> str:
 def _cells(line: str, separator: str) -> list[str]:
     if separator == " ":
         return line.split()
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator, skipinitialspace=True))]
+    # A line at a time: a quote that is never closed would swallow all that follow.
+    quoted = '"' in line
+    cells = (
+        next(csv.reader([line], delimiter=separator, skipinitialspace=True))
+        if quoted
+        else line.split(separator)
+    )
+    return [cell.strip() for cell in cells]
 
 
 def _without_blank_end(row: Sequence[str]) -> list[str]:

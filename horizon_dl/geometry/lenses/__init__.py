@@ -1,0 +1,1 @@
+"""Lens models: what a lens makes of a direction, and the way back; one file a model, found by a registry."""
