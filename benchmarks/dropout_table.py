@@ -16,7 +16,7 @@ from torch import Tensor
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
-from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.metrics import method_metrics
 from horizon_dl.models.dropout import image_tensor
 from horizon_dl.models.fcn import HorizonFCN, enlarge
@@ -55,7 +55,7 @@ class Way:
 
 def dropout_figures(name: str, seeds: Sequence[int], folder: Path) -> list[dict[str, Any]]:
     """Rows for one set: place, whether trained with it, samples, and figures as in `metrics.json`."""
-    tallies: dict[Way, list[Tally]] = {}
+    accumulators: dict[Way, list[MethodAccumulator]] = {}
     times: dict[Way, list[float]] = {}
     for seed in seeds:
         ways = _ways(name, seed, folder)
@@ -63,16 +63,16 @@ def dropout_figures(name: str, seeds: Sequence[int], folder: Path) -> list[dict[
         torch.manual_seed(seed)
         found = scored(name, methods)
         for way, (number, variant) in zip(ways, methods.items(), strict=True):
-            tallies.setdefault(way, []).append(found[number])
+            accumulators.setdefault(way, []).append(found[number])
             times.setdefault(way, []).extend(variant.times_s)
     return [
         {
             **vars(way),
-            **method_metrics(tallies[way], "none")["scores"]["entropy"],
-            **method_metrics(tallies[way], "none")["calibration"],
+            **method_metrics(accumulators[way], "none")["scores"]["entropy"],
+            **method_metrics(accumulators[way], "none")["calibration"],
             "ms": 1e3 * median(times[way]),
         }
-        for way in tallies
+        for way in accumulators
     ]
 
 

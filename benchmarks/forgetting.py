@@ -20,7 +20,7 @@ from horizon_dl.config import Config, load_config
 from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.evaluation.compare import split_recording
-from horizon_dl.metrics.accumulators import Tally, scored_pixels
+from horizon_dl.metrics.accumulators import MethodAccumulator, scored_pixels
 from horizon_dl.metrics.roc import RocResult
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
@@ -80,11 +80,11 @@ def one_stream(sets: dict[str, Recording], config: Config, seed: int, every: int
 
 def held_back(learner: OnlineLearner, recording: Recording, test: Sequence[int]) -> RocResult:
     """The entropy on frames that are never learned from."""
-    tally = Tally()
+    accumulator = MethodAccumulator()
     frames: Iterable[Any] = FrameStore(recording, learner.config).frames(test)
     for frame, view in frames:
-        tally.add_scores({"entropy": learner.predict(view).entropy}, scored_pixels(frame))
-    return tally.rocs["entropy"].result()
+        accumulator.add_scores({"entropy": learner.predict(view).entropy}, scored_pixels(frame))
+    return accumulator.rocs["entropy"].compute()
 
 
 if __name__ == "__main__":

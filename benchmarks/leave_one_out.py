@@ -91,7 +91,7 @@ def measured(out: Path, variant: str, name: str, seed: int) -> dict[str, Pair]:
         with patch.multiple(geodesic, **costs) if chosen.costs else nullcontext():
             net = trained_net(folder, name, seed, chosen.overrides)
         results = {
-            score: roc.result() for score, roc in scored(name, {"cnn": NetMethod(net)})["cnn"].rocs.items()
+            score: roc.compute() for score, roc in scored(name, {"cnn": NetMethod(net)})["cnn"].rocs.items()
         }
         write_json(
             path, {score: (found.auc, found.auc_within_depression) for score, found in results.items()}

@@ -15,9 +15,9 @@ from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.evaluation.compare import split_recording
-from horizon_dl.evaluation.scoring import read_frame, tally_readings
+from horizon_dl.evaluation.scoring import accumulate, read_frame
 from horizon_dl.methods.learners import Method
-from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.simulation.embedded import embedded_set
@@ -70,12 +70,12 @@ def _opened(name: str) -> tuple[Recording, dict[int, View | FrameError]]:
     return open_set(name), {}
 
 
-def scored(name: str, methods: Mapping[str, Method]) -> dict[str, Tally]:
+def scored(name: str, methods: Mapping[str, Method]) -> dict[str, MethodAccumulator]:
     """Score methods on the test frames of a set, protocol labelled-out."""
     store = store_of(name)
     test = split_recording(store.recording, "labelled-out").test
     readings = (read_frame(methods, frame, view) for frame, view in store.frames(test))
-    return tally_readings(readings, {}, store.config.labels.band_rad)
+    return accumulate(readings, {}, store.config.labels.band_rad)
 
 
 def trained_net(

@@ -83,8 +83,8 @@ def _aucs(own: list[dict[str, Map]], other: list[dict[str, Map]]) -> dict[str, d
 def _auc(own: list[Map], other: list[Map]) -> float | None:
     roc = RocAccumulator()
     for values, is_other in ((np.concatenate(own), False), (np.concatenate(other), True)):
-        roc.add(values, np.full(len(values), is_other), np.zeros(len(values)))
-    return roc.result().auc
+        roc.update(values, np.full(len(values), is_other), np.zeros(len(values)))
+    return roc.compute().auc
 
 
 def novelty_markdown(found: dict[str, list[dict[str, Any]]]) -> str:

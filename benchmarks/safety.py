@@ -34,13 +34,13 @@ from horizon_dl.evidence.judge import Judge
 from horizon_dl.export.export import export_run
 from horizon_dl.geometry.polar import PolarView, polar_view
 from horizon_dl.metrics.range_truth import level_ranges, nearest, true_distances
-from horizon_dl.metrics.ranging import MISSED_FACTOR, RangingTally
+from horizon_dl.metrics.ranging import MISSED_FACTOR, RangingAccumulator
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome, free_distances
 from horizon_dl.ranging.temporal_filter import SectorFilter
 from horizon_dl.runtime.model import ObstacleModel
-from horizon_dl.runtime.perception import Sighting
+from horizon_dl.runtime.perception import Perception
 from horizon_dl.training.run_folder import save_run
 from horizon_dl.training.train import evenly, train_run
 
@@ -77,14 +77,14 @@ def safety_figures(name: str, folder: Path, frames: int) -> dict[str, Any]:
     known = [i for i, header in enumerate(recording.headers) if header.up_cam is not None]
     left_out = [i for i in known if 10 * i // recording.length in LEFT_OUT]
     model = ObstacleModel.load(trained_model(name, recording, folder))
-    sighting = Sighting.of(model, (0.0, 0.0, 0.0), frames=1)
+    perception = Perception.of(model, (0.0, 0.0, 0.0), frames=1)
     labelled = [i for i in left_out if recording.headers[i].labelled]
     labelled = labelled or [i for i in known if recording.headers[i].labelled]
-    pictures = picture_figures(name, recording, sighting, evenly(labelled, frames))
+    pictures = picture_figures(name, recording, perception, evenly(labelled, frames))
     return {
         "pictures": pictures,
         "kinds": {kind: _pooled(pictures, kind) for kind in ("nothing", "not there", "degraded")},
-        "cost": cost_figures(recording, sighting, left_out),
+        "cost": cost_figures(recording, perception, left_out),
     }
 
 
@@ -102,7 +102,7 @@ def trained_model(name: str, recording: Recording, folder: Path) -> Path:
 
 
 def picture_figures(
-    name: str, recording: Recording, sighting: Sighting, indices: list[int]
+    name: str, recording: Recording, perception: Perception, indices: list[int]
 ) -> dict[str, dict[str, Any]]:
     """For each picture: its kind, sectors in view, and the shares that are free and should not be."""
     others = {other: _middle_frame(other) for other in (*set_names(), *FURTHER_PLACES)}
@@ -110,7 +110,7 @@ def picture_figures(
     for index in indices:
         frame = recording.read(index)
         later = recording.read(min(index + 5, recording.length - 1)).image
-        scene = Scene(frame.image, _floor(frame, sighting), later, others)
+        scene = Scene(frame.image, _floor(frame, perception), later, others)
         rng = np.random.default_rng(index)
         pictures: dict[str, tuple[str, Callable[[Scene, np.random.Generator], Spoiled]]] = {
             "as it is": ("degraded", lambda scene, _: Spoiled(scene.image)),
@@ -121,9 +121,9 @@ def picture_figures(
                 continue
             spoiled = make(scene, rng)
             counts[title] = counts.get(title, np.zeros(6, np.int64)) + _counted(
-                sighting, frame, spoiled, kind
+                perception, frame, spoiled, kind
             )
-    counts["frozen while the attitude moves"] = _frozen(recording, sighting, indices)
+    counts["frozen while the attitude moves"] = _frozen(recording, perception, indices)
     kinds = {"as it is": "reference", "frozen while the attitude moves": "not there"}
     return {
         title: {"kind": kinds.get(title) or PICTURES[title][0], **_shares(count)}
@@ -131,10 +131,10 @@ def picture_figures(
     }
 
 
-def _counted(sighting: Sighting, frame: Frame, spoiled: Spoiled, kind: str) -> NDArray[np.int64]:
+def _counted(perception: Perception, frame: Frame, spoiled: Spoiled, kind: str) -> NDArray[np.int64]:
     """Sectors in view; believed; clear and too far with evidence, and without."""
-    polar = _polar(sighting, frame)
-    with_evidence, without = _looked(sighting, replace(frame, image=spoiled.image), polar)
+    polar = _polar(perception, frame)
+    with_evidence, without = _looked(perception, replace(frame, image=spoiled.image), polar)
     wrong = [
         _wrong(frame, found, polar, spoiled, in_degraded=kind == "degraded")
         for found in (with_evidence, without)
@@ -145,17 +145,17 @@ def _counted(sighting: Sighting, frame: Frame, spoiled: Spoiled, kind: str) -> N
 
 
 def _looked(
-    sighting: Sighting, frame: Frame, polar: PolarView, *, fresh: bool = True
+    perception: Perception, frame: Frame, polar: PolarView, *, fresh: bool = True
 ) -> tuple[FreeDistances, FreeDistances]:
     """Sectors with evidence and without; `fresh` forgets the frames before."""
     assert frame.up_cam is not None
-    sighting.filter = SectorFilter(1)
+    perception.filter = SectorFilter(1)
     if fresh:
-        sighting.judge = Judge(sighting.model.camera, sighting.model.place)
+        perception.judge = Judge(perception.model.camera, perception.model.place)
     floor = frame.floor_up_cam
-    found = sighting.look(frame.time_s, frame.image, frame.up_cam, 0.0, frame.height_m or 1.0, floor)
-    assert sighting.ranged is not None
-    return found, sighting.ranged
+    found = perception.look(frame.time_s, frame.image, frame.up_cam, 0.0, frame.height_m or 1.0, floor)
+    assert perception.ranged is not None
+    return found, perception.ranged
 
 
 def _wrong(
@@ -182,7 +182,7 @@ def _wrong(
     return clear, clear | too_far
 
 
-def _frozen(recording: Recording, sighting: Sighting, indices: list[int]) -> NDArray[np.int64]:
+def _frozen(recording: Recording, perception: Perception, indices: list[int]) -> NDArray[np.int64]:
     """One picture for a second, with the attitudes of the frames that followed, turned a little more."""
     total = np.zeros(6, np.int64)
     for index in indices:
@@ -194,8 +194,8 @@ def _frozen(recording: Recording, sighting: Sighting, indices: list[int]) -> NDA
                 [[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]]
             )
             moved = replace(frozen, time_s=frozen.time_s + 0.1 * step, up_cam=tilt @ frozen.up_cam)
-            polar = _polar(sighting, moved)
-            found = _looked(sighting, moved, polar, fresh=step == 0)
+            polar = _polar(perception, moved)
+            found = _looked(perception, moved, polar, fresh=step == 0)
             if step:
                 free = [int((one.outcome == Outcome.FREE).sum()) for one in found]
                 known = int((found[0].outcome != Outcome.UNKNOWN).sum())
@@ -203,29 +203,29 @@ def _frozen(recording: Recording, sighting: Sighting, indices: list[int]) -> NDA
     return total
 
 
-def cost_figures(recording: Recording, sighting: Sighting, indices: list[int]) -> dict[str, Any]:
+def cost_figures(recording: Recording, perception: Perception, indices: list[int]) -> dict[str, Any]:
     """On frames that were not learned from: unknown, missed and false stops, with evidence and without."""
-    tallies = {"with": RangingTally(), "without": RangingTally()}
+    accumulators = {"with": RangingAccumulator(), "without": RangingAccumulator()}
     unknown = np.zeros(3, np.int64)
     reasons: dict[str, int] = {}
     for number, frame in enumerate(_readable(recording, indices)):
-        polar = _polar(sighting, frame)
-        found = _looked(sighting, frame, polar, fresh=number == 0)
+        polar = _polar(perception, frame)
+        found = _looked(perception, frame, polar, fresh=number == 0)
         in_view = polar.pixels.sum(axis=1) > 0
         not_known = [(one.outcome == Outcome.UNKNOWN) & in_view for one in found]
         unknown += [in_view.sum(), *(part.sum() for part in not_known)]
-        for reason in sighting.judged.reasons if sighting.judged else ():
+        for reason in perception.judged.reasons if perception.judged else ():
             reasons[str(reason)] = reasons.get(str(reason), 0) + 1
         range_m = level_ranges(frame)
         if range_m is not None and frame.truth is not None and frame.height_m is not None:
-            truth_m = true_distances(frame, range_m, sighting.bearings)
-            for tally, one in zip(tallies.values(), found, strict=True):
-                tally.count(one, truth_m, frame.height_m)
+            truth_m = true_distances(frame, range_m, perception.bearings)
+            for accumulator, one in zip(accumulators.values(), found, strict=True):
+                accumulator.count(one, truth_m, frame.height_m)
     return {
         "frames": len(indices),
         "unknown": {"with": unknown[1] / unknown[0], "without": unknown[2] / unknown[0]},
         "frames_not_believed": reasons,
-        "ranging": {name: tally.metrics() for name, tally in tallies.items()},
+        "ranging": {name: accumulator.compute() for name, accumulator in accumulators.items()},
     }
 
 
@@ -234,15 +234,15 @@ def _readable(recording: Recording, indices: list[int]) -> Iterator[Frame]:
         yield recording.read(index)
 
 
-def _polar(sighting: Sighting, frame: Frame) -> PolarView:
+def _polar(perception: Perception, frame: Frame) -> PolarView:
     assert frame.floor_normal is not None
-    return polar_view(sighting.rays, frame.floor_normal, sighting.forward_cam, sighting.bearings)
+    return polar_view(perception.rays, frame.floor_normal, perception.forward_cam, perception.bearings)
 
 
-def _floor(frame: Frame, sighting: Sighting) -> NDArray[np.bool_]:
+def _floor(frame: Frame, perception: Perception) -> NDArray[np.bool_]:
     if frame.truth is not None and (frame.truth == Truth.FLOOR).sum() > 100:
         return np.asarray(frame.truth == Truth.FLOOR)
-    below = sighting.model.predict(frame.image, frame.up_cam).elevation < 0
+    below = perception.model.predict(frame.image, frame.up_cam).elevation < 0
     return nearest(below.astype(np.uint8), *frame.image.shape[:2]) > 0
 
 

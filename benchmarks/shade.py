@@ -23,7 +23,7 @@ from horizon_dl.reporting.table import format_markdown
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.train import evenly
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
-from horizon_dl.workers import HereWorkers
+from horizon_dl.workers import SerialWorkers
 
 DARK = 0.6
 LUMA = np.array([0.299, 0.587, 0.114])
@@ -51,7 +51,7 @@ def shade_figures(name: str, seeds: Sequence[int], folder: Path) -> list[dict[st
 def _of_seed(name: str, seed: int, folder: Path) -> dict[str, Any]:
     store = store_of(name)
     train = split_recording(store.recording, "labelled-out").train
-    methods: dict[str, Method] = {"forest": fit_forest(store, train, seed, HereWorkers())}
+    methods: dict[str, Method] = {"forest": fit_forest(store, train, seed, SerialWorkers())}
     for title, overrides in NETS.items():
         methods[title] = NetMethod(trained_net(folder, name, seed, overrides))
     held_out = sorted(set(range(store.recording.length)) - set(train))
@@ -68,7 +68,7 @@ def _figures(method: Method, store: FrameStore, train: Sequence[int], test: Sequ
         for part, floor in zip(PARTS, lit_and_shaded(frame, pixels), strict=True):
             values[part].append(entropy[pixels.mask][floor])
             kept = pixels.keep(floor | pixels.obstacle)
-            rocs[part].add(entropy[kept.mask], kept.obstacle, kept.depression_rad)
+            rocs[part].update(entropy[kept.mask], kept.obstacle, kept.depression_rad)
     pooled = {name: np.concatenate(parts) for name, parts in values.items()}
     rule = _percentile_threshold(method, store, train)
     at_tpr = float(np.quantile(pooled["obstacle"], 1.0 - WANTED_TPR))
@@ -77,8 +77,8 @@ def _figures(method: Method, store: FrameStore, train: Sequence[int], test: Sequ
         "mean_entropy": {name: float(some.mean()) for name, some in pooled.items()},
         "fpr": {part: float(np.mean(pooled[part] > rule)) for part in PARTS},
         "fpr_at_tpr": {part: float(np.mean(pooled[part] > at_tpr)) for part in PARTS},
-        "auc_within_depression": {part: roc.result().auc_within_depression for part, roc in rocs.items()},
-        "auc": {part: roc.result().auc for part, roc in rocs.items()},
+        "auc_within_depression": {part: roc.compute().auc_within_depression for part, roc in rocs.items()},
+        "auc": {part: roc.compute().auc for part, roc in rocs.items()},
     }
 
 

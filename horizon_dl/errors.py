@@ -11,15 +11,15 @@ class HorizonError(Exception):
 
 
 class InputError(HorizonError):
-    """Input that the user has to mend: one line with the file, the problem and the way out (exit code 2).
+    """Input that the user has to fix: one line with the file, the problem and the way out (exit code 2).
 
     Example:
         >>> str(InputError("camera.yaml", "has no field 'fx'", "add the focal length in pixels"))
         "camera.yaml: has no field 'fx'; add the focal length in pixels"
     """
 
-    def __init__(self, where: str | Path, problem: str, way_out: str) -> None:
-        super().__init__(where, problem, way_out)  # all of it, so that it can travel between processes
+    def __init__(self, where: str | Path, problem: str, hint: str) -> None:
+        super().__init__(where, problem, hint)  # all of it, so that it can travel between processes
 
     def __str__(self) -> str:
         return "{}: {}; {}".format(*(shortened(printable(part)) for part in self.args))

@@ -27,7 +27,7 @@ class Workers(Protocol):
         ...
 
 
-class HereWorkers:
+class SerialWorkers:
     """This process, one item after the other."""
 
     def map(
@@ -37,7 +37,7 @@ class HereWorkers:
         return (function(shared, item) for item in items)
 
 
-HERE = HereWorkers()
+SERIAL = SerialWorkers()
 
 
 class DaskWorkers:
@@ -78,7 +78,7 @@ def open_workers(scheduler: str | None) -> Iterator[Workers]:
         InputError: nothing answers at that address, or no worker has joined.
     """
     if scheduler is None:
-        yield HERE
+        yield SERIAL
         return
     from distributed import Client
 

@@ -9,7 +9,7 @@ from scene import scene
 from horizon_dl.config import load_config
 from horizon_dl.evaluation.compare import Comparison
 from horizon_dl.evaluation.scoring import ScoredFrame, count_frame
-from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.metrics import method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.reporting.comparison import write_comparison
@@ -24,7 +24,7 @@ FRAMES = 14
 def write_report_of_scenes(folder: Path, frames: int = FRAMES) -> Path:
     """`report.html` of a net, a forest and position alone; its path."""
     config = load_config(None, [])
-    tallies = {name: Tally() for name in ("cnn", "rf", "position")}
+    accumulators = {name: MethodAccumulator() for name in ("cnn", "rf", "position")}
     log = ComparisonLog(folder, frames)
     for index in range(frames):
         frame, prediction = scene(index)
@@ -38,7 +38,7 @@ def write_report_of_scenes(folder: Path, frames: int = FRAMES) -> Path:
         scored = ScoredFrame(
             frame, view, {"cnn": maps, "rf": forest, "position": {"score": near}}, {"cnn": 0.5, "rf": 0.6}
         )
-        count_frame(tallies, scored, 0.01)
+        count_frame(accumulators, scored, 0.01)
         log(scored)
     metrics = {
         "schema": 1,
@@ -46,10 +46,12 @@ def write_report_of_scenes(folder: Path, frames: int = FRAMES) -> Path:
         "protocol": "labelled-out",
         "seeds": [0],
         "frames": {"train": 50, "test": frames, "skipped": 0},
-        "methods": {name: method_metrics([tally], "percentile-25") for name, tally in tallies.items()},
-        "ranging": RangingBlock().metrics(),
+        "methods": {
+            name: method_metrics([accumulator], "percentile-25") for name, accumulator in accumulators.items()
+        },
+        "ranging": RangingBlock().compute(),
     }
-    comparison = Comparison(metrics, {name: [tally] for name, tally in tallies.items()})
+    comparison = Comparison(metrics, {name: [accumulator] for name, accumulator in accumulators.items()})
     write_comparison(folder, "Scenes", comparison, log, config)
     return folder / "report.html"
 

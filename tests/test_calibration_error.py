@@ -23,12 +23,12 @@ def test_error_is_that_of_numpy_however_it_is_streamed(seed, count, bins):
     p = (chance.integers(0, 257, count) / 256).astype(np.float32)  # exact, on borders of bins, too
     above = chance.random(count) < p**2
     whole, parts = Reliability(bins), [Reliability(bins), Reliability(bins)]
-    whole.add(p, above)
+    whole.update(p, above)
     for part, chosen in zip(parts, (slice(None, count // 3), slice(count // 3, None)), strict=True):
-        part.add(p[chosen], above[chosen])
+        part.update(p[chosen], above[chosen])
     parts[0].merge(parts[1])
-    assert whole.error() == pytest.approx(reference_error(p.astype(float), above, bins), abs=1e-9)
-    assert parts[0].error() == pytest.approx(whole.error(), abs=1e-12)
+    assert whole.compute() == pytest.approx(reference_error(p.astype(float), above, bins), abs=1e-9)
+    assert parts[0].compute() == pytest.approx(whole.compute(), abs=1e-12)
     assert parts[0].curve()[2].sum() == count
 
 
@@ -40,11 +40,11 @@ def test_right_probabilities_have_little_error_and_sharper_ones_more():
     for power in (1.0, 2.0):
         odds = (p / (1 - p)) ** power
         calibration = Reliability()
-        calibration.add(odds / (1 + odds), above)
-        errors.append(calibration.error())
+        calibration.update(odds / (1 + odds), above)
+        errors.append(calibration.compute())
     assert errors[0] < 0.01
     assert errors[1] > 0.05
 
 
 def test_nothing_counted_has_no_error():
-    assert Reliability().error() is None
+    assert Reliability().compute() is None

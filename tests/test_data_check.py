@@ -181,7 +181,7 @@ def test_clocks_apart_are_found_with_sign_and_size(tmp_path: Path) -> None:
     assert check.motion is not None
     assert check.motion.best_lag_s == pytest.approx(0.2)
     assert "do not belong to the same time" in check.verdict
-    assert any("add 0.20 s to the images' times" in finding.way_out for finding in check.findings)
+    assert any("add 0.20 s to the images' times" in finding.hint for finding in check.findings)
 
 
 def test_wrong_sign_of_pitch_is_found(tmp_path: Path) -> None:
@@ -283,7 +283,7 @@ def test_camera_on_its_side(tmp_path: Path) -> None:
     pitches, rolls = swing(60)
     check = checked(write_set(tmp_path / "side", pitches, rolls + math.pi / 2))
     assert "the camera is rolled by" in check.verdict
-    assert any("rotate_image" in finding.way_out for finding in check.findings)
+    assert any("rotate_image" in finding.hint for finding in check.findings)
 
 
 def test_no_frames_is_an_input_error(good_set: Path) -> None:

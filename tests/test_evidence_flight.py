@@ -14,9 +14,9 @@ from toy import toy_frame
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
-from horizon_dl.runtime.flight_loop import Fly, FlySettings
+from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
 from horizon_dl.runtime.model import ObstacleModel
-from horizon_dl.runtime.perception import Sighting
+from horizon_dl.runtime.perception import Perception
 from horizon_dl.vehicle.attitude_buffer import AttitudeBuffer, ClockOffset
 from horizon_dl.vehicle.mavlink import Link
 from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
@@ -41,9 +41,9 @@ def frames(spoil: Spoil, count: int = 24, period_s: float = 0.05) -> Iterator[Fr
         yield Frame(str(step), time.monotonic(), up, height_m=HEIGHT_M, image=image)
 
 
-def flight(line: Line, **settings: Any) -> Fly:
-    sighting = Sighting.of(ObstacleModel.load(model_file()), NO_MOUNT, frames=1)
-    return Fly(sighting, Link(line), FlySettings(rate_hz=50, **settings))
+def flight(line: Line, **settings: Any) -> FlightLoop:
+    perception = Perception.of(ObstacleModel.load(model_file()), NO_MOUNT, frames=1)
+    return FlightLoop(perception, Link(line), FlightSettings(rate_hz=50, **settings))
 
 
 def known_share(line: Line) -> float:
@@ -155,7 +155,7 @@ def still_frames(count: int = 30, period_s: float = 0.05) -> Iterator[Frame]:
         yield Frame(str(step), time.monotonic(), image=toy_frame(0.0, rng)[0])
 
 
-def flown(send: Callable[[int], list[bytes]], hz: float = 100.0, count: int = 30) -> tuple[Fly, Line]:
+def flown(send: Callable[[int], list[bytes]], hz: float = 100.0, count: int = 30) -> tuple[FlightLoop, Line]:
     line = Line()
     fly = flight(line)
     with Autopilot(line, send, hz):

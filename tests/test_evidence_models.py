@@ -16,7 +16,7 @@ from horizon_dl.export.export import Exported
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.output import write_bytes
 from horizon_dl.runtime.acceptance import checked_threshold, not_airworthy, smoke_test
-from horizon_dl.runtime.hot_reload import FollowedModel
+from horizon_dl.runtime.hot_reload import HotReloadedModel
 from horizon_dl.runtime.model import ObstacleModel
 
 CAMERA = Camera("pinhole", 32, 24, 30.0, 30.0, 15.5, 11.5)
@@ -65,7 +65,7 @@ def test_in_flight_it_is_refused_and_the_old_one_flies_on(
 ) -> None:
     path = tmp_path / "model.onnx"
     path.write_bytes(small_export().content())
-    model = FollowedModel.load(path)
+    model = HotReloadedModel.load(path)
     before = model.current.sha256
     write_bytes(path, changed(**card))
     predict_until(model, lambda: model.refused == 1)

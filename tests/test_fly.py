@@ -29,9 +29,9 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import bearings_for
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.runtime.flight_loop import Fly, FlySettings
+from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
 from horizon_dl.runtime.latency import Latencies
-from horizon_dl.runtime.perception import Sighting, forward_in_camera, model_rays
+from horizon_dl.runtime.perception import Perception, forward_in_camera, model_rays
 from horizon_dl.vehicle.mavlink import Link, read_signing_key
 from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
 from horizon_dl.vehicle.telemetry import Autopilot, height_of
@@ -46,6 +46,9 @@ WALL_M, HEIGHT_M = 3.0, 1.0
 KEY = bytes(range(32))
 LARGEST_GAP_S = 0.5
 """Between two messages sent 50 times a second, however busy the machine; autopilots bear 0.5 s."""
+
+
+RECORDED = FlightSettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True)
 
 
 class WallModel:
@@ -135,8 +138,8 @@ def pictures(count: int, period_s: float = 0.02) -> Iterator[Frame]:
         yield Frame("a", time.monotonic(), up, height_m=HEIGHT_M, image=np.zeros((60, 80, 3), np.uint8))
 
 
-def sighting(model: WallModel | None = None) -> Sighting:
-    return Sighting.of(model or WallModel(), MOUNT)
+def perception(model: WallModel | None = None) -> Perception:
+    return Perception.of(model or WallModel(), MOUNT)
 
 
 def test_rays_come_out_of_the_model_itself() -> None:
@@ -156,7 +159,7 @@ def test_the_bodys_forward_axis_and_the_sectors_that_hold_the_view() -> None:
 
 def test_a_recorded_flight_sends_the_wall(tmp_path: Path) -> None:
     line = Line()
-    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    fly = FlightLoop(perception(), Link(line), RECORDED)
     fly.run(pictures(25))
     messages = decoded(line.sent)
     assert len(messages) >= 15
@@ -180,7 +183,7 @@ def test_a_recorded_flight_sends_the_wall(tmp_path: Path) -> None:
 @pytest.mark.parametrize("stalled", ["camera", "attitude", "model"])
 def test_a_stall_is_unknown_within_half_a_second_and_recovers(stalled: str) -> None:
     line, model = Line(), WallModel()
-    flying = Fly(sighting(model), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT))
+    flying = FlightLoop(perception(model), Link(line), FlightSettings(rate_hz=50, mount_rpy_rad=MOUNT))
     broken = threading.Event()
     mav = codec()
 
@@ -234,9 +237,7 @@ def is_known(message: Any) -> bool:
 
 def test_messages_keep_their_rate_while_the_model_hangs() -> None:
     line, model = Line(), WallModel()
-    fly = Fly(
-        sighting(model), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True)
-    )
+    fly = FlightLoop(perception(model), Link(line), RECORDED)
     runner = threading.Thread(target=fly.run, args=(pictures(1000), 2.5), daemon=True)
     runner.start()
     wait_for(lambda: any(map(is_known, decoded(line.sent[-10:]))))
@@ -265,9 +266,9 @@ def wait_for(condition: Any, timeout_s: float = 3.0) -> None:
 def test_fast_and_slow_cameras(period_s: float, takes_s: float) -> None:
     line, model = Line(), WallModel()
     model.takes_s = 0.0
-    looking = sighting(model)
+    looking = perception(model)
     model.takes_s = takes_s
-    fly = Fly(looking, Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    fly = FlightLoop(looking, Link(line), RECORDED)
     fly.run(pictures(int(0.9 / period_s), period_s))
     messages = decoded(line.sent)[:-1]
     known = [m.distances[0] != UNKNOWN_CM for m in messages]
@@ -287,7 +288,7 @@ def test_fast_and_slow_cameras(period_s: float, takes_s: float) -> None:
 
 def test_without_height_obstacles_are_unknown_not_invented() -> None:
     line = Line()
-    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    fly = FlightLoop(perception(), Link(line), RECORDED)
     no_height = (replace(frame, height_m=None) for frame in pictures(15))
     fly.run(no_height)
     assert fly.looked_at >= 10
@@ -302,7 +303,7 @@ def test_a_camera_that_breaks_ends_the_flight_with_unknown() -> None:
         yield from pictures(3)
         raise InputError("camera:0", "is gone", "plug it in")
 
-    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, recorded_attitude=True))
+    fly = FlightLoop(perception(), Link(line), FlightSettings(rate_hz=50, recorded_attitude=True))
     with pytest.raises(InputError, match="is gone"):
         fly.run(broken())
     assert set(decoded(line.sent)[-1].distances) == {UNKNOWN_CM}
@@ -310,7 +311,7 @@ def test_a_camera_that_breaks_ends_the_flight_with_unknown() -> None:
 
 def test_a_line_that_fails_ends_the_flight_and_is_not_silent() -> None:
     line = Line()
-    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, recorded_attitude=True))
+    fly = FlightLoop(perception(), Link(line), FlightSettings(rate_hz=50, recorded_attitude=True))
 
     def fail(*_: object) -> None:
         raise OSError("bus error")
@@ -374,7 +375,7 @@ def test_garbage_in_a_running_flight() -> None:
     rng = np.random.default_rng(0)
     line.incoming = [rng.bytes(int(rng.integers(1, 600))) for _ in range(2000)]
     line.incoming += [bytes([0xFD]) + rng.bytes(40) for _ in range(500)]
-    fly = Fly(sighting(), Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    fly = FlightLoop(perception(), Link(line), RECORDED)
     fly.run(pictures(30))
     assert not line.incoming
     assert any(message.distances[0] != UNKNOWN_CM for message in decoded(line.sent))

@@ -29,9 +29,9 @@ from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.ranging.free_distance import Outcome
-from horizon_dl.runtime.flight_loop import Fly, FlySettings
+from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
 from horizon_dl.runtime.model import ObstacleModel
-from horizon_dl.runtime.perception import Sighting
+from horizon_dl.runtime.perception import Perception
 from horizon_dl.vehicle.mavlink import Link
 from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
 
@@ -112,12 +112,14 @@ def level_camera() -> CameraSource:
 def test_an_opencv_camera_in_trouble_is_unknown_and_comes_back(
     trouble: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sighting, line = Sighting.of(FlatModel(CAMERA), MOUNT), Silent()
+    perception, line = Perception.of(FlatModel(CAMERA), MOUNT), Silent()
     now = time.monotonic()
     start, end = now + 1.0, now + 2.0
     monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
     monkeypatch.setattr(FakeCapture, trouble, (start, end))
-    flight = Fly(sighting, Link(line), FlySettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True))
+    flight = FlightLoop(
+        perception, Link(line), FlightSettings(rate_hz=50, mount_rpy_rad=MOUNT, recorded_attitude=True)
+    )
     camera = level_camera()
     flight.run(camera.frames(), 3.7, camera.stop)
     known = [
@@ -139,12 +141,12 @@ def test_an_opencv_camera_in_trouble_is_unknown_and_comes_back(
 def test_a_camera_that_never_comes_back_is_opened_again_until_the_flight_ends(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    sighting, line = Sighting.of(FlatModel(CAMERA), MOUNT), Silent()
+    perception, line = Perception.of(FlatModel(CAMERA), MOUNT), Silent()
     monkeypatch.setattr(cv2, "VideoCapture", FakeCapture)
     monkeypatch.setattr(FakeCapture, "opened", 0)
     monkeypatch.setattr(FakeCapture, "fails", (time.monotonic() + 0.3, math.inf))
     monkeypatch.setattr(camera_module, "REOPEN_S", 0.05)
-    flight = Fly(sighting, Link(line), FlySettings(mount_rpy_rad=MOUNT, recorded_attitude=True))
+    flight = FlightLoop(perception, Link(line), FlightSettings(mount_rpy_rad=MOUNT, recorded_attitude=True))
     start = time.monotonic()
     camera = level_camera()
     flight.run(camera.frames(), 1.0, camera.stop)
@@ -198,8 +200,8 @@ def test_a_picture_is_stamped_before_it_is_converted(monkeypatch: pytest.MonkeyP
 
 
 def test_the_attitude_is_that_of_the_pictures_time() -> None:
-    sighting = Sighting.of(FlatModel(CAMERA), MOUNT)
-    flight = Fly(sighting, Link(Silent()), FlySettings(mount_rpy_rad=MOUNT), lambda: 50.0)
+    perception = Perception.of(FlatModel(CAMERA), MOUNT)
+    flight = FlightLoop(perception, Link(Silent()), FlightSettings(mount_rpy_rad=MOUNT), lambda: 50.0)
     for step in range(101):  # rolls by 1 rad/s
         flight.autopilot.buffer.add(49 + step / 100, quaternion_from_rpy(step / 100, 0.0, 0.4))
     pose = flight._pose(Frame("a", 49.375, image=np.zeros((24, 32, 3), np.uint8)))
@@ -225,10 +227,10 @@ def test_a_car_is_ranged_on_its_road(tmp_path: Path) -> None:
             return SimpleNamespace(p_above=p_above, elevation=found.elevation)
 
     line = Silent()
-    sighting = Sighting.of(Wall(recording.camera), (0.0, 0.0, 0.0), frames=1)
+    perception = Perception.of(Wall(recording.camera), (0.0, 0.0, 0.0), frames=1)
     # This model answers nothing when asked for its rays.
-    sighting.rays = np.asarray(Sighting.of(FlatModel(recording.camera), (0, 0, 0)).rays)
-    flight = Fly(sighting, Link(line), FlySettings(recorded_attitude=True))
+    perception.rays = np.asarray(Perception.of(FlatModel(recording.camera), (0, 0, 0)).rays)
+    flight = FlightLoop(perception, Link(line), FlightSettings(recorded_attitude=True))
     flight.look(picture)
     found = flight._newest.found
     assert found is not None

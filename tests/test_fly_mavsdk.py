@@ -16,8 +16,8 @@ from test_fly import CAMERA, HEIGHT_M, LEVEL, MOUNT, WALL_M, WallModel, wait_for
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.geometry.attitude import quaternion_from_rpy
-from horizon_dl.runtime.flight_loop import Fly, FlySettings
-from horizon_dl.runtime.perception import Sighting
+from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
+from horizon_dl.runtime.perception import Perception
 from horizon_dl.vehicle.mavlink import Link
 from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM, MessageShape, distances_cm
 from horizon_dl.vehicle.telemetry import Autopilot
@@ -120,7 +120,7 @@ def test_mavsdk_reads_what_the_loop_computed_from_its_attitude_and_height() -> N
     transport = UdpIn("127.0.0.1", 0)
     stack, link = stack_for(transport), Recorded(transport)
     model = WallModel()
-    flying = Fly(Sighting.of(model, MOUNT), link, FlySettings(rate_hz=20, mount_rpy_rad=MOUNT))
+    flying = FlightLoop(Perception.of(model, MOUNT), link, FlightSettings(rate_hz=20, mount_rpy_rad=MOUNT))
     runner = threading.Thread(target=flying.run, args=(pictures(),), daemon=True)
     runner.start()
     direct, received = subscribed(stack)  # the loop answers its heartbeat

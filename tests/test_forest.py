@@ -141,7 +141,7 @@ def test_forest_is_as_strong_as_it_should_be(data_dir, folder, max_pixels, least
         view, pixels = make_view(frame, max_pixels), scored_pixels(frame)
         assert pixels is not None
         score = enlarged(binary_entropy(forest.p_above(view)[0]), pixels.mask.shape)[pixels.mask]
-        roc.add(score, pixels.obstacle, pixels.depression_rad)
-    result = roc.result()
+        roc.update(score, pixels.obstacle, pixels.depression_rad)
+    result = roc.compute()
     assert result.auc is not None
     assert least < result.auc < most

@@ -18,7 +18,7 @@ from horizon_dl.data.view import make_view
 from horizon_dl.errors import InputError
 from horizon_dl.models.dropout import sample_p_above
 from horizon_dl.models.net_measures import net_measures
-from horizon_dl.runtime.checksum import BLANK, FORMAT, read_sealed, sealed
+from horizon_dl.runtime.checksum import BLANK, FORMAT, checksummed, read_checksummed
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.training.predict import predict
 from horizon_dl.uncertainty.measures import measures
@@ -106,7 +106,7 @@ def test_any_cut_and_any_altered_byte_is_noticed(tmp_path_factory, data):
         content[data.draw(st.integers(0, len(content) - 1))] ^= data.draw(st.integers(1, 255))
     path.write_bytes(content)
     with pytest.raises(InputError):
-        read_sealed(path)
+        read_checksummed(path)
 
 
 def test_damage_is_told_apart(tmp_path):
@@ -124,15 +124,15 @@ def test_damage_is_told_apart(tmp_path):
 
 def test_a_seal_does_not_make_a_model(tmp_path):
     fake = tmp_path / "fake.onnx"
-    fake.write_bytes(sealed(BLANK.encode() + b" and no graph"))
+    fake.write_bytes(checksummed(BLANK.encode() + b" and no graph"))
     assert "cannot be loaded" in refusal(fake)
     without_card = onnx.load_from_string(small_export().content())
     without_card.doc_string = BLANK
     del without_card.metadata_props[:]
-    fake.write_bytes(sealed(without_card.SerializeToString()))
+    fake.write_bytes(checksummed(without_card.SerializeToString()))
     assert "cannot be loaded" in refusal(fake)
     with pytest.raises(ValueError, match="blank seal once"):
-        sealed(b"nothing")
+        checksummed(b"nothing")
 
 
 def test_predict_gives_the_same_from_file_and_folder(tmp_path):

@@ -32,7 +32,7 @@ from horizon_dl.export.export import export_run, trained_camera
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.online.real_time import LEFT_OUT, PacedFrames, RealTime, run_in_real_time
 from horizon_dl.output import write_bytes
-from horizon_dl.runtime.hot_reload import FollowedModel
+from horizon_dl.runtime.hot_reload import HotReloadedModel
 from horizon_dl.training.run_folder import Run
 from horizon_dl.vehicle.mavlink import open_link
 
@@ -315,7 +315,7 @@ def other_export(threshold: float, width: int = 96) -> bytes:
     return export_run(Run(run.net, run.config, {**run.info, "threshold": threshold}), camera).content()
 
 
-def predict_until(model: FollowedModel, done) -> int:
+def predict_until(model: HotReloadedModel, done) -> int:
     """Predict frame by frame; the number of predictions until `done()`, all of which were right."""
     frame = toy_frames()[0]
     for count in range(1, 2000):
@@ -332,7 +332,7 @@ def predict_until(model: FollowedModel, done) -> int:
 def test_a_fresh_file_is_taken_over_between_two_frames(tmp_path):
     path = tmp_path / "model.onnx"
     path.write_bytes(small_export().content())
-    model = FollowedModel.load(path)
+    model = HotReloadedModel.load(path)
     first = model.threshold
     predict_until(model, lambda: True)
     for number, threshold in enumerate((0.31, 0.62), 1):
@@ -353,7 +353,7 @@ def test_a_fresh_file_is_taken_over_between_two_frames(tmp_path):
 def test_a_file_that_does_not_fit_is_refused_and_the_old_one_flies_on(tmp_path, content, words):
     path = tmp_path / "model.onnx"
     path.write_bytes(small_export().content())
-    model = FollowedModel.load(path)
+    model = HotReloadedModel.load(path)
     before = model.current.sha256
     write_bytes(path, content())
     predict_until(model, lambda: model.refused == 1)
@@ -388,7 +388,7 @@ def test_a_model_written_by_the_learner_is_taken_over_while_it_learns(toy, tmp_p
     run = tiny_run(toy, out, export_every_s=1e-3)
     run.run()
     run.finish()
-    model = FollowedModel.load(out / "model.onnx")
+    model = HotReloadedModel.load(out / "model.onnx")
     again = tiny_run(toy, out, restart=True, export_every_s=1e-3)
     learner = threading.Thread(target=lambda: (again.run(), again.finish()))
     learner.start()

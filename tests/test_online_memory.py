@@ -14,7 +14,7 @@ from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.half_resolution import doubled, half_elevation, half_resolution_frame
 from horizon_dl.training.online.compression import pack, unpack, unpack_elevation
-from horizon_dl.training.online.replay_buffer import ReplayMemory
+from horizon_dl.training.online.replay_buffer import ReplayBuffer
 
 SHAPE = (40, 50)
 
@@ -44,7 +44,7 @@ def test_packing_keeps_the_elevation_with_its_gaps():
 
 
 def test_the_oldest_target_is_made_anew():
-    memory = ReplayMemory(10, np.random.default_rng(0))
+    memory = ReplayBuffer(10, np.random.default_rng(0))
     for number, made_at in enumerate((5, -1, 3)):
         memory.add(smooth_frame(number), ANGLES, made_at)
     asked = []
@@ -68,7 +68,7 @@ def test_the_oldest_target_is_made_anew():
 
 
 def test_a_renewed_target_that_packs_worse_keeps_the_bound():
-    memory = ReplayMemory(10, np.random.default_rng(0))
+    memory = ReplayBuffer(10, np.random.default_rng(0))
     flat = replace(smooth_frame(0), target=np.zeros(SHAPE, np.float16))
     for _ in range(3):
         memory.add(flat, ANGLES, 0)
@@ -104,7 +104,7 @@ def test_frames_take_a_fifth_of_their_room_or_less(data_dir, name):
 @settings(max_examples=20, deadline=None)
 @given(st.floats(0.004, 0.05), st.integers(1, 40))
 def test_the_memory_is_bounded(memory_mb, count):
-    memory = ReplayMemory(memory_mb, np.random.default_rng(0))
+    memory = ReplayBuffer(memory_mb, np.random.default_rng(0))
     for seed in range(count):
         memory.add(smooth_frame(seed), ANGLES, 0)
         assert memory.nbytes <= memory_mb * 2**20 or len(memory) == 1
@@ -114,7 +114,7 @@ def test_the_memory_is_bounded(memory_mb, count):
 
 
 def test_one_frame_is_kept_however_small_the_memory():
-    memory = ReplayMemory(1e-6, np.random.default_rng(0))
+    memory = ReplayBuffer(1e-6, np.random.default_rng(0))
     for seed in range(3):
         memory.add(smooth_frame(seed), ANGLES, 0)
     assert len(memory.draw(4)) == 4
@@ -124,7 +124,7 @@ def test_a_changing_stream_is_remembered_evenly():
     frames = [smooth_frame(seed) for seed in range(60)]
     kept = np.zeros(60)
     for seed in range(60):
-        memory = ReplayMemory(10.5 * pack(frames[0], ANGLES).nbytes / 2**20, np.random.default_rng(seed))
+        memory = ReplayBuffer(10.5 * pack(frames[0], ANGLES).nbytes / 2**20, np.random.default_rng(seed))
         for frame in frames:
             memory.add(frame, ANGLES, 0)
         kept[memory.numbers()] += 1
@@ -136,7 +136,7 @@ def test_a_changing_stream_is_remembered_evenly():
 
 def test_a_long_halt_does_not_push_out_what_was_before():
     moving, halt = [smooth_frame(seed) for seed in range(40)], smooth_frame(40)
-    memory = ReplayMemory(20 * pack(halt, ANGLES).nbytes / 2**20, np.random.default_rng(0))
+    memory = ReplayBuffer(20 * pack(halt, ANGLES).nbytes / 2**20, np.random.default_rng(0))
     for frame in [*moving, *[halt] * 400]:
         memory.add(frame, ANGLES, 0)
     before = sum(number < 40 for number in memory.numbers())
@@ -147,16 +147,16 @@ def test_a_long_halt_does_not_push_out_what_was_before():
 def test_a_restored_memory_goes_on_the_same_way(tmp_path):
     frames = [smooth_frame(seed) for seed in range(50)]
     whole_rng = np.random.default_rng(0)
-    whole = ReplayMemory(0.03, whole_rng)
+    whole = ReplayBuffer(0.03, whole_rng)
     for frame in frames[:25]:
-        whole.add(frame, ANGLES, 0)
+        whole.update(frame, ANGLES, 0)
     write_checkpoint(tmp_path / "c", Snapshot.join({"m": whole.snapshot()}))
     rng = np.random.default_rng(99)
     rng.bit_generator.state = whole_rng.bit_generator.state
-    restored = ReplayMemory(0.03, rng)
+    restored = ReplayBuffer(0.03, rng)
     restored.restore(read_checkpoint(tmp_path / "c").part("m"))
     for frame in frames[25:]:
-        whole.add(frame, ANGLES, 0)
+        whole.update(frame, ANGLES, 0)
         restored.add(frame, ANGLES, 0)
     assert whole.numbers() == restored.numbers()
     assert whole.nbytes == restored.nbytes
@@ -166,7 +166,7 @@ def test_a_restored_memory_goes_on_the_same_way(tmp_path):
 
 
 def test_an_empty_memory_comes_back(tmp_path):
-    memory = ReplayMemory(1, np.random.default_rng(0))
+    memory = ReplayBuffer(1, np.random.default_rng(0))
     write_checkpoint(tmp_path / "c", Snapshot.join({"m": memory.snapshot()}))
     memory.restore(read_checkpoint(tmp_path / "c").part("m"))
     assert len(memory) == 0

@@ -21,7 +21,7 @@ from horizon_dl.metrics.range_truth import (
     true_distances,
     true_obstacles,
 )
-from horizon_dl.metrics.ranging import RangingTally
+from horizon_dl.metrics.ranging import RangingAccumulator
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome
 
@@ -94,10 +94,10 @@ def test_a_perfect_map_ranges_well(as_p: bool) -> None:
     depth, labels = hall(5.0)
     directions = camera_rays(CAMERA).directions
     range_m = level_distance(RangeImage(depth.astype(np.float32), "axis"), directions, UP)
-    tally = RangingTally(0.7, 25.0)
+    accumulator = RangingAccumulator(0.7, 25.0)
     found = np.where(labels == 2, 0.5, 0.05).astype(np.float32) if as_p else labels == 2
-    tally.add(frame_of(labels), found, range_m)
-    metrics = tally.metrics()
+    accumulator.update(frame_of(labels), found, range_m)
+    metrics = accumulator.compute()
     assert metrics["columns"] > 60
     assert metrics["median_relative_error"] < 0.03
     assert (metrics["missed"], metrics["false_stop"], metrics["unknown"]) == (0, 0, 0)
@@ -122,9 +122,9 @@ def test_what_counts_as_missed_and_as_false_stop() -> None:
     truth = np.array([4.0, 4.0, 4.0, 4.0, 4.0, 1.0, 1.0, 9.0, nan], np.float32)
     outcome = [2, 2, 2, 1, 0, 2, 1, 2, 2]
     metres = [4.4, 6.1, 2.6, inf, nan, 1.7, inf, 1.0, 1.0]
-    tally = RangingTally(0.7, 5.0)
-    tally.count(distances(outcome, metres, [True] * 5 + [False] * 4), truth, 1.0)
-    metrics = tally.metrics()
+    accumulator = RangingAccumulator(0.7, 5.0)
+    accumulator.count(distances(outcome, metres, [True] * 5 + [False] * 4), truth, 1.0)
+    metrics = accumulator.compute()
     assert metrics["columns"] == 7
     assert metrics["missed"] == pytest.approx(3 / 7)  # 6.1 m; free; free before a contact below the view
     assert metrics["false_stop"] == pytest.approx(1 / 7)
@@ -147,7 +147,7 @@ def test_floor_behind_an_obstacle_is_not_free() -> None:
 
 
 def test_without_any_measurement_figures_are_null() -> None:
-    metrics = RangingTally().metrics()
+    metrics = RangingAccumulator().compute()
     assert metrics["columns"] == 0
     assert metrics["median_relative_error"] is None
     assert metrics["missed"] is None
@@ -167,8 +167,8 @@ def test_the_block_of_a_recording(tmp_path: Path) -> None:
     block = RangingBlock(recording.headers)
     p_above = np.where(labels == 2, 0.4, 0.03).astype(np.float32)
     for index in range(2):  # the second has neither labels nor depth
-        block.add(recording.read(index), p_above, threshold=0.5)
-    metrics = block.metrics()
+        block.update(recording.read(index), p_above, threshold=0.5)
+    metrics = block.compute()
     assert metrics["interval_m"] == [0.7, 4.0]
     for one in (metrics, metrics["connected"], metrics["true_floor"]):
         assert one["columns"] > 60
@@ -225,15 +225,15 @@ def test_ranging_with_the_truths_own_floor(
 ) -> None:
     """Ranging alone, without map errors."""
     recording = open_recording(data_dir / name)
-    tally = RangingTally(*interval)
+    accumulator = RangingAccumulator(*interval)
     for index in range(5, recording.length, 20):
         frame = recording.read(index)
         range_m = level_ranges(frame)
         assert range_m is not None
         assert frame.truth is not None
-        not_floor, known = true_obstacles(frame, range_m, tally.bearings)
-        tally.add(frame, not_floor, range_m, known=known)
-    metrics = tally.metrics()
+        not_floor, known = true_obstacles(frame, range_m, accumulator.bearings)
+        accumulator.update(frame, not_floor, range_m, known=known)
+    metrics = accumulator.compute()
     assert metrics["columns"] > 50
     assert metrics["median_relative_error"] < limit
     assert metrics["missed"] < 0.03

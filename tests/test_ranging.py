@@ -12,10 +12,10 @@ from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, directions_to_polar, level_axes, polar_view
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.ranging.contact import RiseRules, connected_to_horizon, first_contact, first_rise
+from horizon_dl.ranging.contact import ContactDetectorParams, connected_to_horizon, first_contact, first_rise
 from horizon_dl.ranging.free_distance import (
     Outcome,
-    RangingRules,
+    RangingParams,
     distance_sd,
     free_distances,
     free_distances_from_p,
@@ -227,7 +227,7 @@ def test_an_obstacle_at_the_images_edge_is_at_most_that_far() -> None:
 def test_uncertainty_is_the_spread_of_the_formula() -> None:
     # Reference: draw errors and take the standard deviation of the distances.
     rng = np.random.default_rng(0)
-    rules = RangingRules(attitude_sd_rad=math.radians(0.5), height_sd=0.03)
+    rules = RangingParams(attitude_sd_rad=math.radians(0.5), height_sd=0.03)
     depression = math.atan(1.2 / 5)
     drawn_angles = depression + rng.normal(0, math.hypot(math.radians(0.5), math.radians(0.2)), 200_000)
     drawn = 1.2 * (1 + rng.normal(0, 0.03, 200_000)) / np.tan(drawn_angles)
@@ -309,7 +309,7 @@ def test_connected_only_passes_a_mat_in_p_above() -> None:
 def test_the_rise_test_against_a_plain_loop() -> None:
     # Reference: Page's test written for one column with ordinary numbers.
     rng = np.random.default_rng(3)
-    rules = RiseRules()
+    rules = ContactDetectorParams()
     logit = (rng.normal(-2, 0.3, (20, 60)) + 1.2 * (np.arange(60) < 25)).astype(np.float32)
     step = math.radians(0.25)
     contact, _, _ = first_rise(logit, np.ones((20, 60), bool), -2.0, step, rules)

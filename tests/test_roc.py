@@ -32,14 +32,14 @@ SCORES = {
 
 def filled(score, positive=POSITIVE, depression=DEPRESSION) -> RocAccumulator:
     roc = RocAccumulator()
-    roc.add(score, positive, depression)
+    roc.update(score, positive, depression)
     return roc
 
 
 @pytest.mark.parametrize("name", SCORES)
 def test_figures_are_those_of_sklearn(name):
     score = SCORES[name]
-    got = filled(score).result()
+    got = filled(score).compute()
     assert got.auc == pytest.approx(roc_auc_score(POSITIVE, score), abs=1e-3)
     assert got.ap == pytest.approx(average_precision_score(POSITIVE, score), abs=1e-3)
     precision, recall, _ = precision_recall_curve(POSITIVE, score)
@@ -64,14 +64,14 @@ def pairs_by_hand(score: np.ndarray, positive: np.ndarray, band: np.ndarray) -> 
 def test_auc_within_depression_counts_pairs_of_a_band(name):
     score, positive, depression = SCORES[name][:3000], POSITIVE[:3000], DEPRESSION[:3000]
     expected = pairs_by_hand(score, positive, np.floor(np.rad2deg(depression)))
-    got = filled(score, positive, depression).result().auc_within_depression
+    got = filled(score, positive, depression).compute().auc_within_depression
     assert got == pytest.approx(expected, abs=1e-3)
 
 
 def test_position_alone_earns_nothing_within_bands():
     depression = np.deg2rad(np.repeat(np.arange(60), 100) + 0.5)
     positive = RNG.random(6000) < np.linspace(0.95, 0.05, 6000)
-    got = filled(1.0 - depression / (np.pi / 2), positive, depression).result()
+    got = filled(1.0 - depression / (np.pi / 2), positive, depression).compute()
     assert got.auc > 0.8
     assert got.auc_within_depression == pytest.approx(0.5, abs=1e-9)
 
@@ -82,9 +82,9 @@ def test_chunks_and_merged_parts_give_the_same_as_all_at_once():
     for start in range(0, N, 4000):
         chunk = slice(start, start + 4000)
         target = first if start < 8000 else second
-        target.add(score[chunk], POSITIVE[chunk], DEPRESSION[chunk])
+        target.update(score[chunk], POSITIVE[chunk], DEPRESSION[chunk])
     first.merge(second)
-    assert first.result() == whole.result()
+    assert first.compute() == whole.compute()
 
 
 def test_curve_runs_from_corner_to_corner_and_holds_the_area():
@@ -93,7 +93,7 @@ def test_curve_runs_from_corner_to_corner_and_holds_the_area():
     assert (fpr[0], tpr[0], fpr[-1], tpr[-1]) == (0.0, 0.0, 1.0, 1.0)
     assert (np.diff(fpr) >= 0).all()
     assert (np.diff(tpr) >= 0).all()
-    assert np.trapezoid(tpr, fpr) == pytest.approx(roc.result().auc, abs=1e-9)
+    assert np.trapezoid(tpr, fpr) == pytest.approx(roc.compute().auc, abs=1e-9)
 
 
 @pytest.mark.parametrize("threshold", [0.0, 0.2, 0.5, 0.9, 1.0])
@@ -110,11 +110,11 @@ def test_a_score_equal_to_the_threshold_is_not_over_it():
 
 def test_missing_classes_give_none():
     empty = RocAccumulator()
-    assert empty.result().auc is None
+    assert empty.compute().auc is None
     assert empty.curve() is None
     assert empty.rates_at(0.5) == (None, None)
     floor_only = filled(np.array([0.2, 0.6]), np.array([False, False]), np.array([0.1, 0.1]))
-    result = floor_only.result()
+    result = floor_only.compute()
     assert (result.auc, result.auc_within_depression, result.ap, result.fpr95, result.best_f1) == (None,) * 5
     assert (result.positives, result.negatives) == (0, 2)
     assert floor_only.rates_at(0.5) == (None, 0.5)
@@ -122,8 +122,8 @@ def test_missing_classes_give_none():
 
 def test_classes_that_share_no_band_have_no_banded_figure():
     apart = filled(np.array([0.2, 0.6]), np.array([False, True]), np.deg2rad([10.5, 20.5]))
-    assert apart.result().auc == 1.0
-    assert apart.result().auc_within_depression is None
+    assert apart.compute().auc == 1.0
+    assert apart.compute().auc_within_depression is None
 
 
 @pytest.mark.parametrize(
@@ -140,12 +140,12 @@ def test_classes_that_share_no_band_have_no_banded_figure():
 )
 def test_bad_input_is_refused(score, depression, message):
     with pytest.raises(ValueError, match=message):
-        RocAccumulator().add(np.array(score), np.ones(np.shape(score), bool), np.array(depression))
+        RocAccumulator().update(np.array(score), np.ones(np.shape(score), bool), np.array(depression))
 
 
 def test_straight_down_belongs_to_the_last_band():
     got = filled(np.array([0.2, 0.6]), np.array([False, True]), np.array([np.pi / 2, np.deg2rad(89.5)]))
-    assert got.result().auc_within_depression == 1.0
+    assert got.compute().auc_within_depression == 1.0
 
 
 @given(arrays(np.float32, 30, elements=st.floats(0.0, 1.0, width=32)))
@@ -162,7 +162,7 @@ def test_bins_keep_the_order(score):
 )
 def test_any_coarse_score_is_counted_exactly(tenths, positive, band):
     score = tenths / 10.0
-    got = filled(score, positive, np.deg2rad(band + 0.5)).result()
+    got = filled(score, positive, np.deg2rad(band + 0.5)).compute()
     if positive.any() and not positive.all():
         assert got.auc == pytest.approx(roc_auc_score(positive, score), abs=1e-12)
     if got.auc_within_depression is not None:
@@ -173,6 +173,6 @@ def test_memory_does_not_grow():
     roc = filled(SCORES["random"])
     before = roc.counts.nbytes
     for _ in range(5):
-        roc.add(SCORES["random"], POSITIVE, DEPRESSION)
+        roc.update(SCORES["random"], POSITIVE, DEPRESSION)
     assert roc.counts.nbytes == before
-    assert roc.result().positives == 6 * POSITIVE.sum()
+    assert roc.compute().positives == 6 * POSITIVE.sum()

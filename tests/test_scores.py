@@ -3,7 +3,7 @@ import pytest
 
 from horizon_dl.data.view import View
 from horizon_dl.methods.scores import fused_score
-from horizon_dl.targets.geodesic import horizon_distance, step_cost, way_share
+from horizon_dl.targets.geodesic import horizon_distance, relative_geodesic_position, traversal_cost
 
 HEIGHT, WIDTH = 40, 56
 
@@ -18,8 +18,10 @@ def scene(seed: int = 0) -> tuple[View, np.ndarray]:
 def test_fused_is_the_sum_of_three_log_odds():
     view, p_above = scene()
     elevation = view.elevation
-    cost = step_cost(view.image, elevation, p_above)
-    share = way_share(cost, elevation, p_above, horizon_distance(cost, elevation)).astype(np.float64)
+    cost = traversal_cost(view.image, elevation, p_above)
+    share = relative_geodesic_position(cost, elevation, p_above, horizon_distance(cost, elevation)).astype(
+        np.float64
+    )
     p = np.where(elevation > 0, 1.0 - p_above, p_above).astype(np.float64).clip(0.002, 0.998)
     squeezed = 0.02 + 0.96 * share
     angle = np.abs(elevation).astype(np.float64)

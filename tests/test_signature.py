@@ -8,8 +8,8 @@ from small_run import model_file
 
 from horizon_dl.cli import main
 from horizon_dl.errors import InputError
-from horizon_dl.runtime.checksum import BLANK, BLANK_SIGNED, read_sealed, sealed
-from horizon_dl.runtime.hot_reload import FollowedModel
+from horizon_dl.runtime.checksum import BLANK, BLANK_SIGNED, checksummed, read_checksummed
+from horizon_dl.runtime.hot_reload import HotReloadedModel
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.runtime.signature import read_signer, read_verifier
 
@@ -34,10 +34,10 @@ def keys(tmp_path_factory) -> dict[str, Path]:
 
 
 def signed_file(path: Path, key: Path | None) -> Path:
-    """The small model, sealed anew."""
+    """The small model, checksummed anew."""
     file = onnx.load(model_file())
     file.doc_string = BLANK if key is None else BLANK_SIGNED
-    path.write_bytes(sealed(file.SerializeToString(deterministic=True), key and read_signer(key)))
+    path.write_bytes(checksummed(file.SerializeToString(deterministic=True), key and read_signer(key)))
     return path
 
 
@@ -60,21 +60,21 @@ def test_whatever_is_changed_in_a_signed_file_is_found(keys, tmp_path):
         damaged[bit // 8] ^= 1 << bit % 8
         path.write_bytes(damaged)
         with pytest.raises(InputError):
-            read_sealed(path, trusted)
+            read_checksummed(path, trusted)
     # Somebody who can seal, but has no key: the old signature on new content.
     file = onnx.load_from_string(whole)
     file.producer_name = "somebody else"
     file.doc_string = BLANK_SIGNED
     old = bytes.fromhex(whole[: whole.index(b"ed25519 ") + 136][-128:].decode())
-    path.write_bytes(sealed(file.SerializeToString(deterministic=True), lambda _: old))
-    read_sealed(path)
+    path.write_bytes(checksummed(file.SerializeToString(deterministic=True), lambda _: old))
+    read_checksummed(path)
     with pytest.raises(InputError, match="is not signed by the one"):
-        read_sealed(path, trusted)
+        read_checksummed(path, trusted)
 
 
 def test_a_fresh_file_of_somebody_else_is_refused_in_flight(keys, tmp_path):
     path = signed_file(tmp_path / "m.onnx", keys["mine"])
-    followed = FollowedModel.load(path, trusted=read_verifier(keys["mine.pub"]))
+    followed = HotReloadedModel.load(path, trusted=read_verifier(keys["mine.pub"]))
     signed_file(path, keys["theirs"])
     followed._load()
     assert followed.refused == 1

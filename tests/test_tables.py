@@ -246,7 +246,7 @@ def possible_units(values: np.ndarray, steps: Steps) -> list[str]:
     try:
         return [clock_unit(values, None, steps)]
     except DoubtError as doubt:
-        return doubt.way_out.split()
+        return doubt.hint.split()
 
 
 def test_a_slow_clock_is_not_taken_for_another(tmp_path: Path) -> None:

@@ -4,7 +4,13 @@ import pytest
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.metrics.accumulators import Confusion, ScoredPixels, Tally, enlarged, scored_pixels
+from horizon_dl.metrics.accumulators import (
+    Confusion,
+    MethodAccumulator,
+    ScoredPixels,
+    enlarged,
+    scored_pixels,
+)
 from horizon_dl.metrics.metrics import mean_and_spread, method_metrics
 
 CAMERA = Camera("pinhole", 8, 8, 8.0, 8.0, 3.5, 3.5)
@@ -65,17 +71,17 @@ def test_confusion_against_counting_by_hand():
         np.ones((2, 2), bool), np.array([True, True, False, False]), np.zeros(4, np.float32)
     )
     confusion = Confusion()
-    confusion.add(np.array([[True, False], [True, False]]), pixels)
-    assert confusion.rates() == (0.5, 0.5)
-    assert Confusion().rates() == (None, None)
+    confusion.update(np.array([[True, False], [True, False]]), pixels)
+    assert confusion.compute() == (0.5, 0.5)
+    assert Confusion().compute() == (None, None)
 
 
 def test_sides_ignore_the_band_and_pixels_without_ray():
     elevation = np.array([[0.5, 0.001, -0.5, np.nan]], np.float32)
     view = View(np.zeros((1, 4, 3), np.uint8), elevation)
-    tally = Tally()
-    tally.add_sides(view, np.array([[0.9, 0.1, 0.9, 0.9]], np.float32), band_rad=0.01)
-    assert (tally.right_sides, tally.sides) == (1, 2)
+    accumulator = MethodAccumulator()
+    accumulator.add_sides(view, np.array([[0.9, 0.1, 0.9, 0.9]], np.float32), band_rad=0.01)
+    assert (accumulator.right_sides, accumulator.sides) == (1, 2)
 
 
 def test_mean_and_spread_are_those_of_numpy():
@@ -89,11 +95,11 @@ def test_mean_and_spread_are_those_of_numpy():
 
 def test_method_metrics_have_the_agreed_keys():
     pixels = ScoredPixels(np.ones((1, 2), bool), np.array([True, False]), np.full(2, 0.1, np.float32))
-    tally = Tally(threshold=0.5)
+    accumulator = MethodAccumulator(threshold=0.5)
     score = np.array([[0.9, 0.1]], np.float32)
-    tally.add_scores({"p_above": score, "entropy": score}, pixels)
-    tally.add_obstacle_map(score, 0.5, pixels)
-    block = method_metrics([tally], "percentile-25")
+    accumulator.add_scores({"p_above": score, "entropy": score}, pixels)
+    accumulator.add_obstacle_map(score, 0.5, pixels)
+    block = method_metrics([accumulator], "percentile-25")
     assert set(block["scores"]) == {"entropy"}
     assert block["scores"]["entropy"]["auc"] == 1.0
     figures = {"auc", "auc_within_depression", "ap", "fpr95", "best_f1", "auc_sd"}
@@ -111,10 +117,10 @@ def test_other_pixels_have_figures_of_their_own():
     score[:4] = 1.0 - score[:4]
     nothing = scored_pixels(frame_with(None))
     others = {"above": scored_pixels(frame, above=True), "low": nothing}
-    tallies = [Tally(), Tally()]
-    for tally in tallies:
-        tally.add_scores({"entropy": score, "p_above": score}, scored_pixels(frame), others)
-    block = method_metrics(tallies, "none")
+    accumulators = [MethodAccumulator(), MethodAccumulator()]
+    for accumulator in accumulators:
+        accumulator.add_scores({"entropy": score, "p_above": score}, scored_pixels(frame), others)
+    block = method_metrics(accumulators, "none")
     assert block["scores"]["entropy"]["auc"] == 1.0
     assert block["above"]["scores"]["entropy"]["auc"] == 0.0
     assert block["above"]["scores"]["entropy"]["auc_within_depression"] == 0.0
@@ -125,21 +131,21 @@ def test_other_pixels_have_figures_of_their_own():
 
 def test_pixels_of_one_class_only_give_no_figures():
     frame = frame_with(np.full((8, 8), 2, np.uint8))
-    tally = Tally()
-    tally.add_scores(
+    accumulator = MethodAccumulator()
+    accumulator.add_scores(
         {"entropy": np.full((8, 8), 0.5, np.float32)},
         scored_pixels(frame),
         {"above": scored_pixels(frame, above=True)},
     )
-    assert "above" not in method_metrics([tally], "none")
+    assert "above" not in method_metrics([accumulator], "none")
 
 
 def test_calibration_error_of_the_metrics_is_outside_the_band():
     elevation = np.array([[0.5, 0.5, 0.001, -0.5, np.nan]], np.float32)
     view = View(np.zeros((1, 5, 3), np.uint8), elevation)
-    tally = Tally()
-    tally.add_sides(view, np.array([[0.9, 0.7, 0.0, 0.2, 0.5]], np.float32), band_rad=0.01)
-    block = method_metrics([tally], "none")
+    accumulator = MethodAccumulator()
+    accumulator.add_sides(view, np.array([[0.9, 0.7, 0.0, 0.2, 0.5]], np.float32), band_rad=0.01)
+    block = method_metrics([accumulator], "none")
     assert block["calibration"]["ece"] == pytest.approx((0.1 + 0.3 + 0.2) / 3, abs=1e-6)
     assert block["calibration"]["ece_sd"] == 0.0
-    assert "calibration" not in method_metrics([Tally()], "none")
+    assert "calibration" not in method_metrics([MethodAccumulator()], "none")

@@ -11,14 +11,14 @@ from horizon_dl.errors import InputError
 from horizon_dl.targets.geodesic import (
     BLUR,
     CHROMA,
+    confident_seeds,
     geodesic_target,
     horizon_distance,
     horizon_seeds,
     nearness,
     one_way_target,
-    step_cost,
-    sure_pixels,
-    way_share,
+    relative_geodesic_position,
+    traversal_cost,
 )
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
@@ -189,7 +189,7 @@ def dijkstra_distance(cost: np.ndarray, seeds: np.ndarray) -> np.ndarray:
 def test_horizon_distance_is_dijkstras():
     image, elevation = noise_image(1, 18, 22), level_elevation(18, 22, roll_rad=0.4)
     elevation[6:14, 4] = np.nan
-    cost = step_cost(image, elevation)
+    cost = traversal_cost(image, elevation)
     got = horizon_distance(cost, elevation)
     assert (np.isinf(cost) == np.isnan(elevation)).all()
     expected = dijkstra_distance(cost, horizon_seeds(elevation))
@@ -207,7 +207,7 @@ def test_the_step_cost_against_its_formula():
     gradient = np.sqrt((down**2 + right**2).sum(-1))
     inner = (slice(4, -4), slice(4, -4))
     expected = 0.1 + np.minimum((gradient / gradient.mean()) ** 1.5, 6.0)
-    got = step_cost(image, level_elevation(60, 80))
+    got = traversal_cost(image, level_elevation(60, 80))
     np.testing.assert_allclose(got[inner], expected[inner], rtol=0.08)
 
 
@@ -216,7 +216,7 @@ def test_a_flat_image_costs_its_length_alone():
     elevation = level_elevation(41, 30) + np.float32(1e-3)  # horizon between rows 20 and 21
     steps = np.r_[20:-1:-1, 0:20]
     relative = steps / np.arange(20).mean()
-    near = nearness(horizon_distance(step_cost(grey, elevation), elevation), elevation)
+    near = nearness(horizon_distance(traversal_cost(grey, elevation), elevation), elevation)
     np.testing.assert_allclose(near[:, 7], np.exp(-relative), atol=1e-5)
     target = geodesic_target(grey, elevation)
     np.testing.assert_allclose(target[40, 7], 0.5 * np.exp(-relative[40]), rtol=1e-4)
@@ -268,10 +268,10 @@ def test_way_share_is_dijkstras():
     elevation = level_elevation(18, 22, roll_rad=0.4)
     elevation[6:14, 4] = np.nan
     image, p_above = noise_image(1, 18, 22), np.nan_to_num(0.5 + elevation).clip(0.01, 0.99)
-    cost, horizon = step_cost(image, elevation, p_above), horizon_seeds(elevation)
+    cost, horizon = traversal_cost(image, elevation, p_above), horizon_seeds(elevation)
     to_horizon = dijkstra_distance(cost, horizon)
-    got = way_share(cost, elevation, p_above, to_horizon)
-    own_side = sure_pixels(elevation, p_above)
+    got = relative_geodesic_position(cost, elevation, p_above, to_horizon)
+    own_side = confident_seeds(elevation, p_above)
     expected = np.zeros(cost.shape)
     for side in (elevation > 0, elevation <= 0):
         to_sure = dijkstra_distance(np.where(side & ~horizon, cost, np.inf), side & own_side & ~horizon)
@@ -286,10 +286,10 @@ def test_way_share_is_dijkstras():
 def test_sure_is_what_the_net_says_and_of_equals_what_lies_further_off():
     elevation = level_elevation()
     p_above = np.where(elevation > 0, 0.9, 0.1).astype(np.float32)
-    lowest = sure_pixels(elevation, p_above)
+    lowest = confident_seeds(elevation, p_above)
     assert np.unique(np.nonzero(lowest)[0]).tolist() == [0, 39]
     p_above[25, 10:40] = 0.002
-    assert sure_pixels(elevation, p_above)[25, 10:40].all()
+    assert confident_seeds(elevation, p_above)[25, 10:40].all()
 
 
 def test_the_way_to_the_sure_floor_speaks_for_a_low_obstacle():
@@ -302,8 +302,8 @@ def test_the_way_to_the_sure_floor_speaks_for_a_low_obstacle():
     p_above[75:105, 60:100] = 0.15
     floor, box = (slice(75, 105), slice(5, 45)), (slice(80, 100), slice(65, 95))
     one_way = one_way_target(image, elevation, p_above)
-    cost = step_cost(image, elevation, p_above)
-    share = way_share(cost, elevation, p_above, horizon_distance(cost, elevation))
+    cost = traversal_cost(image, elevation, p_above)
+    share = relative_geodesic_position(cost, elevation, p_above, horizon_distance(cost, elevation))
     both_ways = geodesic_target(image, elevation, p_above)
     assert share[box].mean() > 2.5 * share[floor].mean()
     gaps = [target[floor].mean() - target[box].mean() for target in (one_way, both_ways)]
@@ -322,11 +322,11 @@ def test_learned_edges_are_dear():
     gradient = np.abs(np.gradient(odds, axis=1))
     expected = 0.1 + np.minimum((gradient / gradient.mean()) ** 1.5, 6.0)
     inner = (slice(4, -4), slice(4, -4))
-    np.testing.assert_allclose(step_cost(flat, elevation, p_above)[inner], expected[inner], rtol=0.08)
+    np.testing.assert_allclose(traversal_cost(flat, elevation, p_above)[inner], expected[inner], rtol=0.08)
     image = noise_image(3, 60, 80)
     unsure = np.full((60, 80), 0.5, np.float32)
-    halved = 0.1 + (step_cost(image, elevation) - 0.1) / 2
-    np.testing.assert_allclose(step_cost(image, elevation, unsure), halved, rtol=1e-4)
+    halved = 0.1 + (traversal_cost(image, elevation) - 0.1) / 2
+    np.testing.assert_allclose(traversal_cost(image, elevation, unsure), halved, rtol=1e-4)
 
 
 @pytest.mark.parametrize("learning", ["one_way_geodesic", "geodesic"])
@@ -344,7 +344,7 @@ def test_nothing_sure_in_reach_says_nothing_and_no_horizon_is_plain():
     cost = np.ones(elevation.shape, np.float32)
     cost[25] = np.inf
     unsure = np.full(elevation.shape, 0.5, np.float32)
-    share = way_share(cost, elevation, unsure, horizon_distance(cost, elevation))
+    share = relative_geodesic_position(cost, elevation, unsure, horizon_distance(cost, elevation))
     assert (share[19:21] == 1.0).all()
     assert (share[21:25] == 0.5).all()
     assert (share[26:] == 0.0).all()

@@ -8,7 +8,7 @@ from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.errors import FrameError, InputError
-from horizon_dl.workers import HERE, DaskWorkers, open_workers
+from horizon_dl.workers import SERIAL, DaskWorkers, open_workers
 
 QUICK = ["--train.rounds", "[8,4]", "--train.batch", "4", "--train.crop", "32", "--seeds", "1"]
 QUICK += ["--forest.training_pixels", "4000"]
@@ -35,7 +35,7 @@ def test_results_come_in_order_and_errors_travel(cluster):
     with open_workers(cluster.scheduler_address) as workers:
         assert isinstance(workers, DaskWorkers)
         found = list(workers.map(scaled, 10, range(40)))
-    expected = list(HERE.map(scaled, 10, range(40)))
+    expected = list(SERIAL.map(scaled, 10, range(40)))
     assert str(found.pop(3)) == str(expected.pop(3)) == "frame: number 3 is bad; mend it"
     assert found == expected == [10 * value for value in range(40) if value != 3]
 

@@ -45,7 +45,7 @@ def frame_lines(out: Path) -> list[dict]:
 
 
 def assert_same_run(one: Path, other: Path) -> None:
-    """Weights, replay, optimiser, random states, tallies and lines of two runs are equal to the bit."""
+    """Weights, replay, optimiser, random states, accumulators and lines of two runs are equal to the bit."""
     first, second = (load_file(run / CHECKPOINT) for run in (one, other))
     assert first.keys() == second.keys()
     for name, tensor in first.items():

@@ -33,8 +33,8 @@ def stop_if_unfit(source: "FrameSource", config: "Config", *, force: bool) -> No
     check = quick_check(source, config.labels.band_rad)
     for finding in check.findings:
         if finding.level != "ok":
-            way_out = f"\n  -> {finding.way_out}" if finding.way_out else ""
-            print(f"{finding.level}: {finding.text}{way_out}", file=sys.stderr)
+            hint = f"\n  -> {finding.hint}" if finding.hint else ""
+            print(f"{finding.level}: {finding.text}{hint}", file=sys.stderr)
     for note in source.notes:
         print(f"note: {note}", file=sys.stderr)
     if check.level == "problem" and not force:

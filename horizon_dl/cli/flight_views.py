@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from horizon_dl.data.source import FrameSource
     from horizon_dl.reporting.run_page import Page
-    from horizon_dl.runtime.flight_loop import Fly
-    from horizon_dl.runtime.hot_reload import FollowedModel
-    from horizon_dl.runtime.perception import Sighting
+    from horizon_dl.runtime.flight_loop import FlightLoop
+    from horizon_dl.runtime.hot_reload import HotReloadedModel
+    from horizon_dl.runtime.perception import Perception
     from horizon_dl.visualization.flight_view import FlightView
 
 
 def open_view(
     arguments: argparse.Namespace,
     source: "FrameSource",
-    flight: "Fly",
-    model: "FollowedModel",
-    sighting: "Sighting",
+    flight: "FlightLoop",
+    model: "HotReloadedModel",
+    perception: "Perception",
 ) -> "FlightView | None":
     """The flight's film, page and viewers on their thread; None where nothing was asked for."""
     from horizon_dl.cli.viewers import open_viewers
@@ -43,12 +43,12 @@ def open_view(
     sinks += open_viewers(arguments, title, lambda: status(flight))
     if not sinks:
         return None
-    view = FlightView(model, sighting, Sinks(sinks))
+    view = FlightView(model, perception, Sinks(sinks))
     flight.on_look = view.look
     return view
 
 
-def status(flight: "Fly") -> dict[str, Any]:
+def status(flight: "FlightLoop") -> dict[str, Any]:
     """The flight's figures now, in words."""
     latency, period = flight.latencies.summary(), flight.periods.summary()
     troubles = flight.watchdog.troubles()
@@ -65,7 +65,7 @@ def status(flight: "Fly") -> dict[str, Any]:
     }
 
 
-def _lead(page: "Page", flight: "Fly") -> str:
+def _lead(page: "Page", flight: "FlightLoop") -> str:
     """What became of the flight."""
     good = flight.sent - flight.unknown
     share = good / flight.sent if flight.sent else 0.0
@@ -75,5 +75,5 @@ def _lead(page: "Page", flight: "Fly") -> str:
     )
 
 
-def _facts(flight: "Fly") -> list[tuple[str, str]]:
+def _facts(flight: "FlightLoop") -> list[tuple[str, str]]:
     return [(name, str(value)) for name, value in status(flight).items() if value is not None]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from horizon_dl.data.frame import Frame
     from horizon_dl.data.source import FrameSource
     from horizon_dl.errors import FrameError
-    from horizon_dl.runtime.flight_loop import FlySettings
+    from horizon_dl.runtime.flight_loop import FlightSettings
 
 
 AUTOPILOT, RECORDED = "autopilot", "recorded"
@@ -93,9 +93,9 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.errors import InputError
     from horizon_dl.output import write_json
     from horizon_dl.runtime.acceptance import not_airworthy
-    from horizon_dl.runtime.flight_loop import Fly
-    from horizon_dl.runtime.hot_reload import FollowedModel
-    from horizon_dl.runtime.perception import Sighting
+    from horizon_dl.runtime.flight_loop import FlightLoop
+    from horizon_dl.runtime.hot_reload import HotReloadedModel
+    from horizon_dl.runtime.perception import Perception
     from horizon_dl.runtime.predict import check_camera
     from horizon_dl.runtime.signature import read_verifier
     from horizon_dl.vehicle.mavlink import open_link
@@ -105,18 +105,18 @@ def run(arguments: argparse.Namespace) -> None:
     source = _source(arguments)
     settings = _settings(arguments, source)
     trusted = None if arguments.trust is None else read_verifier(arguments.trust)
-    model = FollowedModel.load(arguments.model, arguments.threads, trusted)
+    model = HotReloadedModel.load(arguments.model, arguments.threads, trusted)
     problem = not_airworthy(model.current)
     if problem is not None:
         raise InputError(arguments.model, problem, "train longer and export again")
     if source.camera is not None:
         check_camera(model.current, source.camera, arguments.camera or source.name)
     frames = arguments.filter or (1 if settings.recorded_attitude else 3)
-    sighting = Sighting.of(model, settings.mount_rpy_rad, frames)
-    sighting.connected_only = arguments.connected_only
+    perception = Perception.of(model, settings.mount_rpy_rad, frames)
+    perception.connected_only = arguments.connected_only
     link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
-    flight = Fly(sighting, link, settings, time.monotonic)
-    view = open_view(arguments, source, flight, model, sighting)
+    flight = FlightLoop(perception, link, settings, time.monotonic)
+    view = open_view(arguments, source, flight, model, perception)
     # A service is stopped by SIGTERM: the autopilot has to be told then, too.
     before = signal.signal(signal.SIGTERM, lambda *_: flight.stop())
     try:
@@ -158,11 +158,11 @@ def _has_attitude(source: "FrameSource", arguments: argparse.Namespace) -> bool:
     return arguments.attitude not in (None, AUTOPILOT, RECORDED)
 
 
-def _settings(arguments: argparse.Namespace, source: "FrameSource") -> "FlySettings":
+def _settings(arguments: argparse.Namespace, source: "FrameSource") -> "FlightSettings":
     from horizon_dl.errors import InputError
     from horizon_dl.evidence.limits import LIMITS
     from horizon_dl.geometry.polar import LEVEL_UP, level_axes
-    from horizon_dl.runtime.flight_loop import FlySettings
+    from horizon_dl.runtime.flight_loop import FlightSettings
     from horizon_dl.runtime.perception import forward_in_camera
     from horizon_dl.vehicle.obstacle_distance import MessageShape
 
@@ -208,9 +208,9 @@ def _settings(arguments: argparse.Namespace, source: "FrameSource") -> "FlySetti
         raise InputError(
             "mount_rpy_deg",
             "has the camera look straight up or down: no bearing is ahead",
-            "mend camera.yaml",
+            "correct camera.yaml",
         ) from None
-    return FlySettings(
+    return FlightSettings(
         rate_hz=arguments.rate,
         shape=shape,
         mount_rpy_rad=mount,

@@ -52,7 +52,7 @@ def status(online: "OnlineRun") -> dict[str, Any]:
         "AUC before learning": None if pooled is None else f"{pooled:.3f}, within bands {within:.3f}",
         "prediction": None
         if not figures.predicted
-        else f"{1e3 * figures.tally.predict_s / figures.predicted:.0f} ms a frame",
+        else f"{1e3 * figures.accumulator.predict_s / figures.predicted:.0f} ms a frame",
     }
 
 

@@ -151,8 +151,8 @@ def _axes(word: str) -> str:
     try:
         frd_from_axes(word, left_handed=True)
     except ValueError:
-        way_out = "give words as xyzw, flu, z-up, deg, inverse"
-        raise InputError(f"--convention {word[:30]}", "is not known", way_out) from None
+        hint = "give words as xyzw, flu, z-up, deg, inverse"
+        raise InputError(f"--convention {word[:30]}", "is not known", hint) from None
     return word
 
 

@@ -182,8 +182,8 @@ class Recording:
             try:
                 return self._frame(index, with_truth)
             except FrameError as error:
-                _, problem, way_out = error.args
-        return FrameError(self.headers[index].name, problem, way_out)
+                _, problem, hint = error.args
+        return FrameError(self.headers[index].name, problem, hint)
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from horizon_dl.evaluation.progressive import ProgressiveValidation
 from horizon_dl.evaluation.protocols import Protocol, Split, split_frames
 from horizon_dl.evaluation.scoring import (
     OnFrame,
+    accumulate,
     read_frames,
-    tally_readings,
     watching,
 )
 from horizon_dl.geometry.horizon import labelled_pixels
@@ -30,18 +30,18 @@ from horizon_dl.methods.learners import (
 )
 from horizon_dl.methods.registry import FOREST, LEARNERS, NET
 from horizon_dl.methods.training_free import training_free_methods
-from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.train import entropy_threshold, evenly, train_net
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
-from horizon_dl.workers import HERE, Workers
+from horizon_dl.workers import SERIAL, Workers
 
 T = TypeVar("T")
 
-Learned = tuple[dict[str, Tally], HorizonFCN]
+Learned = tuple[dict[str, MethodAccumulator], HorizonFCN]
 
 
 @dataclass
@@ -50,13 +50,13 @@ class Comparison:
 
     Attributes:
         metrics: the content of `metrics.json`.
-        tallies: by method, one a seed; the curves are drawn from them.
+        accumulators: by method, one a seed; the curves are drawn from them.
         skipped: reason by name of the frames that could not be used.
         net: of the first seed, where one was trained.
     """
 
     metrics: dict[str, Any]
-    tallies: dict[str, list[Tally]]
+    accumulators: dict[str, list[MethodAccumulator]]
     skipped: dict[str, str] = field(default_factory=dict)
     net: HorizonFCN | None = None
 
@@ -69,7 +69,7 @@ def compare(
     *,
     on_frame: OnFrame | None = None,
     progress: bool = False,
-    workers: Workers = HERE,
+    workers: Workers = SERIAL,
 ) -> Comparison:
     """Train and score every method under every seed.
 
@@ -89,16 +89,18 @@ def compare(
     split = split_recording(recording, protocol)
     store = FrameStore(recording, config)
     run_seed = _prequential if protocol == "prequential" else _offline
-    tallies: dict[str, list[Tally]] = {name: [] for name in LEARNERS}
+    accumulators: dict[str, list[MethodAccumulator]] = {name: [] for name in LEARNERS}
     ranging = RangingBlock(recording.headers)
     watch = watching(ranging, on_frame)
     nets: list[HorizonFCN] = []
     for number, seed in enumerate(seeds):
         found, net = run_seed(store, split, seed, watch if number == 0 else None, progress, workers)
         nets.append(net)
-        for name, tally in found.items():
-            tallies[name].append(tally)
-    tallies |= {name: [tally] for name, tally in _baselines(store, split.test, progress, workers).items()}
+        for name, accumulator in found.items():
+            accumulators[name].append(accumulator)
+    accumulators |= {
+        name: [accumulator] for name, accumulator in _baselines(store, split.test, progress, workers).items()
+    }
     rule = PaperThreshold(config.threshold.percentile).rule
     metrics = {
         "schema": SCHEMA,
@@ -106,10 +108,10 @@ def compare(
         "protocol": protocol,
         "seeds": list(seeds),
         "frames": {"train": len(split.train), "test": len(split.test), "skipped": len(store.skipped)},
-        "methods": {name: method_metrics(found, rule) for name, found in tallies.items()},
-        "ranging": ranging.metrics(),
+        "methods": {name: method_metrics(found, rule) for name, found in accumulators.items()},
+        "ranging": ranging.compute(),
     }
-    return Comparison(metrics, tallies, store.skipped, nets[0])
+    return Comparison(metrics, accumulators, store.skipped, nets[0])
 
 
 def split_recording(recording: Recording, protocol: Protocol) -> Split:
@@ -140,9 +142,9 @@ def _offline(
     }
     readings = read_frames(methods, store, split.test, workers)
     bar = _bar(readings, f"test, seed {seed}", len(split.test), progress)
-    tallies = tally_readings(bar, thresholds, config.labels.band_rad, on_frame)
-    tallies[NET].train_s, tallies[FOREST].train_s = net_s, forest_s
-    return tallies, net
+    accumulators = accumulate(bar, thresholds, config.labels.band_rad, on_frame)
+    accumulators[NET].train_s, accumulators[FOREST].train_s = net_s, forest_s
+    return accumulators, net
 
 
 def _forest_threshold(
@@ -172,21 +174,23 @@ def _prequential(
                 if stream.ready and (scored or index % stream.predict_every == 0):
                     start = time.perf_counter()
                     maps[name] = stream.score_maps(frame, view) if scored else stream.quick_maps(view)
-                    validation.tallies[name].add_time(time.perf_counter() - start)
+                    validation.accumulators[name].add_time(time.perf_counter() - start)
             found = validation.update(index, frame, view, maps)
             if found is not None and on_frame:
                 on_frame(found)
             for stream in streams.values():
                 stream.learn(view)
     for name, stream in streams.items():
-        validation.tallies[name].train_s = stream.learn_s
-    return validation.tallies, net.net
+        validation.accumulators[name].train_s = stream.learn_s
+    return validation.accumulators, net.net
 
 
-def _baselines(store: FrameStore, test: Sequence[int], progress: bool, workers: Workers) -> dict[str, Tally]:
+def _baselines(
+    store: FrameStore, test: Sequence[int], progress: bool, workers: Workers
+) -> dict[str, MethodAccumulator]:
     readings = read_frames(training_free_methods(), store, test, workers)
     bar = _bar(readings, "baselines", len(test), progress)
-    return tally_readings(bar, {}, store.config.labels.band_rad)
+    return accumulate(bar, {}, store.config.labels.band_rad)
 
 
 def _bar(items: Iterable[T], what: str, total: int, progress: bool) -> Iterable[T]:

@@ -10,9 +10,9 @@ from horizon_dl.evaluation.compare import Comparison
 from horizon_dl.evaluation.scoring import (
     OnFrame,
     Reading,
+    accumulate,
     read_frame,
     read_frames,
-    tally_readings,
     watching,
 )
 from horizon_dl.methods.learners import Method, NetMethod
@@ -24,7 +24,7 @@ from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.runtime.predict import check_camera
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.run_folder import Run
-from horizon_dl.workers import HERE, Workers
+from horizon_dl.workers import SERIAL, Workers
 
 
 def evaluate(
@@ -33,7 +33,7 @@ def evaluate(
     *,
     on_frame: OnFrame | None = None,
     progress: bool = False,
-    workers: Workers = HERE,
+    workers: Workers = SERIAL,
 ) -> Comparison:
     """Score a run folder or a model file, beside the training-free baselines, on every labelled frame.
 
@@ -55,9 +55,10 @@ def evaluate(
     ranging = RangingBlock(recording.headers)
     watch = watching(ranging, on_frame, learner)
     thresholds, band_rad = {learner: run.threshold}, run.config.labels.band_rad
-    found = tally_readings(bar, thresholds, band_rad, watch)
+    found = accumulate(bar, thresholds, band_rad, watch)
     found[learner].train_s = float(run.info.get("train_s", 0.0))
-    tallies = {name: [tally] for name, tally in found.items()}
+    accumulators = {name: [accumulator] for name, accumulator in found.items()}
+    rule = run.info["threshold_rule"]
     metrics = {
         "schema": SCHEMA,
         "data": recording.name,
@@ -69,10 +70,10 @@ def evaluate(
             "skipped": len(store.skipped),
         },
         "trained_on": run.info.get("data"),
-        "methods": {name: method_metrics(one, run.info["threshold_rule"]) for name, one in tallies.items()},
-        "ranging": ranging.metrics(),
+        "methods": {name: method_metrics(one, rule) for name, one in accumulators.items()},
+        "ranging": ranging.compute(),
     }
-    return Comparison(metrics, tallies, store.skipped)
+    return Comparison(metrics, accumulators, store.skipped)
 
 
 def _readings(

@@ -16,7 +16,7 @@ from horizon_dl.evaluation.protocols import WARM_UP_FRAMES
 from horizon_dl.evaluation.scoring import ScoredFrame, count_frame
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.registry import NET
-from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.threshold import PaperThreshold
@@ -38,7 +38,7 @@ class ProgressiveValidation:
         ranged: the method whose distances are measured.
 
     Attributes:
-        tallies: by method.
+        accumulators: by method.
         thresholds: by method.
         ranging: of the method `ranged`.
         tested: frames scored with truth.
@@ -52,7 +52,7 @@ class ProgressiveValidation:
         ranged: str = NET,
     ) -> None:
         names = tuple(methods)
-        self.tallies = {name: Tally() for name in names}
+        self.accumulators = {name: MethodAccumulator() for name in names}
         self.thresholds = {name: PaperThreshold(config.threshold.percentile) for name in names}
         self.ranging = RangingBlock(headers)
         self.tested = 0
@@ -77,15 +77,15 @@ class ProgressiveValidation:
             the frame with the thresholds it was scored by; None where it was not scored.
         """
         scored = None
-        if self.scores(index, frame) and len(maps) == len(self.tallies):
+        if self.scores(index, frame) and len(maps) == len(self.accumulators):
             thresholds = {name: self.thresholds[name].compute() for name in maps}
             scored = ScoredFrame(frame, view, maps, thresholds)
-            count_frame(self.tallies, scored, self._band_rad)
-            self.ranging.add(frame, maps[self._ranged][P_ABOVE], thresholds[self._ranged])
+            count_frame(self.accumulators, scored, self._band_rad)
+            self.ranging.update(frame, maps[self._ranged][P_ABOVE], thresholds[self._ranged])
             self.tested += 1
         elif index >= WARM_UP_FRAMES:
             for name, found in maps.items():
-                self.tallies[name].add_sides(view, found[P_ABOVE], self._band_rad)
+                self.accumulators[name].add_sides(view, found[P_ABOVE], self._band_rad)
         labelled = labelled_pixels(view.elevation, self._band_rad)
         for name, found in maps.items():
             self.thresholds[name].update(found["entropy"], labelled)

@@ -14,7 +14,7 @@ from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.methods.learners import Method
 from horizon_dl.methods.registry import NET
-from horizon_dl.metrics.accumulators import Tally, scored_pixels
+from horizon_dl.metrics.accumulators import MethodAccumulator, scored_pixels
 from horizon_dl.metrics.obstacle_height import by_height
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.training.frame_store import FrameStore
@@ -78,46 +78,46 @@ def _read_index(shared: tuple[Mapping[str, Method], Recording, Config], index: i
     return found if isinstance(found, FrameError) else read_frame(methods, *found)
 
 
-def tally_readings(
+def accumulate(
     readings: Iterable[Reading],
     thresholds: Mapping[str, float],
     band_rad: float,
     on_frame: OnFrame | None = None,
-) -> dict[str, Tally]:
+) -> dict[str, MethodAccumulator]:
     """Count readings; thresholds belong to the entropy."""
-    tallies: dict[str, Tally] = {}
+    accumulators: dict[str, MethodAccumulator] = {}
     for reading in readings:
         scored = ScoredFrame(reading.frame, reading.view, reading.maps, dict(thresholds))
         for name, seconds in reading.seconds.items():
-            tallies.setdefault(name, Tally()).add_time(seconds)
-        count_frame(tallies, scored, band_rad)
+            accumulators.setdefault(name, MethodAccumulator()).add_time(seconds)
+        count_frame(accumulators, scored, band_rad)
         if on_frame:
             on_frame(scored)
-    return tallies
+    return accumulators
 
 
-def count_frame(tallies: Mapping[str, Tally], scored: ScoredFrame, band_rad: float) -> None:
-    """Count what the methods say of one frame in their tallies."""
+def count_frame(accumulators: Mapping[str, MethodAccumulator], scored: ScoredFrame, band_rad: float) -> None:
+    """Count what the methods say of one frame in their accumulators."""
     pixels = scored_pixels(scored.frame)
     others = {
         "above": scored_pixels(scored.frame, above=True),
         **by_height(scored.frame, pixels),
     }
     for name, maps in scored.maps.items():
-        tally = tallies[name]
+        accumulator = accumulators[name]
         if P_ABOVE in maps:
-            tally.add_sides(scored.view, maps[P_ABOVE], band_rad)
-        tally.add_scores(maps, pixels, others)
+            accumulator.add_sides(scored.view, maps[P_ABOVE], band_rad)
+        accumulator.add_scores(maps, pixels, others)
         if name in scored.thresholds:
-            tally.threshold = scored.thresholds[name]
-            tally.add_obstacle_map(maps["entropy"], tally.threshold, pixels)
+            accumulator.threshold = scored.thresholds[name]
+            accumulator.add_obstacle_map(maps["entropy"], accumulator.threshold, pixels)
 
 
 def watching(ranging: RangingBlock, on_frame: OnFrame | None, learner: str = NET) -> OnFrame:
     """`on_frame` that also ranges by what a learner says."""
 
     def watch(scored: ScoredFrame) -> None:
-        ranging.add(scored.frame, scored.maps[learner][P_ABOVE], scored.thresholds[learner])
+        ranging.update(scored.frame, scored.maps[learner][P_ABOVE], scored.thresholds[learner])
         if on_frame:
             on_frame(scored)
 

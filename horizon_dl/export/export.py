@@ -47,7 +47,7 @@ class Exported:
         return replace(self, sign=sign)
 
     def content(self) -> bytes:
-        """The sealed file."""
+        """The checksummed file."""
         return file_bytes(self.graph, self.card, self.sign)
 
     def write(self, folder: Path, name: str = "model") -> Path:

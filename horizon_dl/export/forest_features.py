@@ -1,6 +1,6 @@
 """The forest's features as tensor operations, equal to `models.features.pixel_features` nearly everywhere.
 
-All is reckoned in float64 in the order of scikit-image and SciPy: trees jump at thresholds, and a local
+All is computed in float64 in the order of scikit-image and SciPy: trees jump at thresholds, and a local
 binary pattern asks whether interpolated and central grey levels are equal.
 """
 

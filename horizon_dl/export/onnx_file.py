@@ -13,7 +13,7 @@ from horizon_dl import __version__
 from horizon_dl.export.card import INPUTS, KIND, OUTPUTS
 from horizon_dl.export.graph import WholeWay
 from horizon_dl.quiet import quiet_logger
-from horizon_dl.runtime.checksum import BLANK, BLANK_SIGNED, sealed
+from horizon_dl.runtime.checksum import BLANK, BLANK_SIGNED, checksummed
 from horizon_dl.runtime.model import CARD_KEY
 from horizon_dl.runtime.signature import Signer
 
@@ -62,7 +62,7 @@ def graph_of(module: WholeWay) -> onnx.ModelProto:
 
 
 def file_bytes(graph: onnx.ModelProto, card: dict[str, Any], sign: Signer | None = None) -> bytes:
-    """The sealed file of a graph and its card, signed if asked for."""
+    """The checksummed file of a graph and its card, signed if asked for."""
     file = onnx.ModelProto()
     file.CopyFrom(graph)
     file.doc_string = BLANK if sign is None else BLANK_SIGNED
@@ -72,4 +72,4 @@ def file_bytes(graph: onnx.ModelProto, card: dict[str, Any], sign: Signer | None
     texts |= {key: card[key] for key in ("what", "limits", "licence", "patents", "weights_sha256")}
     onnx.helper.set_model_props(file, texts)
     onnx.checker.check_model(file, full_check=True)
-    return sealed(file.SerializeToString(deterministic=True), sign)
+    return checksummed(file.SerializeToString(deterministic=True), sign)

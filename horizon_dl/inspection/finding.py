@@ -14,13 +14,13 @@ class Finding:
     Attributes:
         level: `ok`, `warning` or `problem` (learning cannot work).
         text: one plain sentence.
-        way_out: what to do about it; empty where nothing has to be done.
+        hint: what to do about it; empty where nothing has to be done.
         reason: the finding as a clause after "because", given iff it decides the verdict.
     """
 
     level: Level
     text: str
-    way_out: str = ""
+    hint: str = ""
     reason: str = ""
 
 

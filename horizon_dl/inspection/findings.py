@@ -49,8 +49,8 @@ def _counts(check: DataCheck) -> Iterator[Finding]:
     elif usable < TOO_FEW_FRAMES:
         yield Finding("problem", text, "Record more.", f"only {usable} frames can be used")
     elif usable < FEW_FRAMES:
-        way_out = "Record a minute or more; a few hundred different images are a good start."
-        yield Finding("warning", text, way_out, f"there are too few frames to train well ({usable})")
+        hint = "Record a minute or more; a few hundred different images are a good start."
+        yield Finding("warning", text, hint, f"there are too few frames to train well ({usable})")
     else:
         yield Finding("ok", text)
 
@@ -78,11 +78,11 @@ def _unreadable(check: DataCheck) -> Iterator[Finding]:
     share = check.unreadable / check.sampled
     first = check.unreadable_examples[0][1]
     text = f"{check.unreadable} of {check.sampled} images looked at cannot be read: {first}."
-    way_out = "Restore or remove them; they are skipped and counted."
+    hint = "Restore or remove them; they are skipped and counted."
     if share > 0.5:
-        yield Finding("problem", text, way_out, "most images cannot be read")
+        yield Finding("problem", text, hint, "most images cannot be read")
     else:
-        yield Finding("warning", text, way_out, "many images cannot be read" if share > 0.2 else "")
+        yield Finding("warning", text, hint, "many images cannot be read" if share > 0.2 else "")
 
 
 def _horizon(check: DataCheck) -> Iterator[Finding]:
@@ -90,15 +90,13 @@ def _horizon(check: DataCheck) -> Iterator[Finding]:
         return
     share, labels = check.labels.visible_share, check.labels
     text = f"The horizon is visible in {percent(share)} of the frames."
-    way_out = (
-        "Tilt the camera so that the horizon crosses the image, or check mount_rpy_deg and rotate_image."
-    )
+    hint = "Tilt the camera so that the horizon crosses the image, or check mount_rpy_deg and rotate_image."
     if share < 0.05:
         seen = "what lies below it" if labels.below > labels.above else "what lies above it"
         reason = f"the horizon is almost never in the image, only {seen}"
-        yield Finding("problem", text, way_out, reason)
+        yield Finding("problem", text, hint, reason)
     elif share < 0.5:
-        yield Finding("warning", text, way_out, "the horizon is seldom in the image")
+        yield Finding("warning", text, hint, "the horizon is seldom in the image")
     else:
         yield Finding("ok", text)
 
@@ -116,8 +114,8 @@ def _balance(check: DataCheck) -> Iterator[Finding]:
         reason = "the ignored band covers most of the labels"
         yield Finding("warning", text, "Make the ignored band narrower.", reason)
     elif rarer < 0.05 and labels.visible_share >= 0.05:
-        way_out = f"Tilt the camera {'up' if name == 'above' else 'down'} so that both sides are seen."
-        yield Finding("warning", text, way_out, f"almost nothing {name} the horizon is seen")
+        hint = f"Tilt the camera {'up' if name == 'above' else 'down'} so that both sides are seen."
+        yield Finding("warning", text, hint, f"almost nothing {name} the horizon is seen")
     else:
         yield Finding("ok", text)
 
@@ -131,11 +129,11 @@ def _attitude(check: DataCheck) -> Iterator[Finding]:
         f"pitch {pitch.p5:.1f} to {pitch.p95:.1f} (median {pitch.p50:.1f})."
     )
     if roll.spread > 150 or pitch.spread > 100:
-        way_out = "Check the units (roll_rad and pitch_rad are radians) and the order of quaternions."
-        yield Finding("warning", text, way_out, "the attitude covers an unlikely range")
+        hint = "Check the units (roll_rad and pitch_rad are radians) and the order of quaternions."
+        yield Finding("warning", text, hint, "the attitude covers an unlikely range")
     elif abs(roll.p50) > 45:
-        way_out = "The camera seems to lie on its side or upside down: check rotate_image and mount_rpy_deg."
-        yield Finding("warning", text, way_out, f"the camera is rolled by {roll.p50:.0f} degrees")
+        hint = "The camera seems to lie on its side or upside down: check rotate_image and mount_rpy_deg."
+        yield Finding("warning", text, hint, f"the camera is rolled by {roll.p50:.0f} degrees")
     else:
         yield Finding("ok", text)
 
@@ -150,11 +148,11 @@ def _travel(check: DataCheck) -> Iterator[Finding]:
         f"one line drawn once would label {percent(labels.fixed_line_accuracy)} of the pixels rightly"
     )
     if max(roll.spread, pitch.spread) < 1e-6:
-        way_out = "Check that the log holds the measured attitude and not a constant."
-        yield Finding("warning", "The attitude is the same in all frames.", way_out)
+        hint = "Check that the log holds the measured attitude and not a constant."
+        yield Finding("warning", "The attitude is the same in all frames.", hint)
     elif labels.fixed_line_accuracy > 0.99:
-        way_out = "Record with more pitch, roll or height; keep random crops and small receptive fields on."
-        yield Finding("warning", f"{text}, so a net can learn the row in place of the looks.", way_out)
+        hint = "Record with more pitch, roll or height; keep random crops and small receptive fields on."
+        yield Finding("warning", f"{text}, so a net can learn the row in place of the looks.", hint)
     else:
         yield Finding("ok", f"{text}.")
 
@@ -173,7 +171,7 @@ def _times(check: DataCheck) -> Iterator[Finding]:
         )
     if times.backwards:
         text = f"The clock runs backwards {_times_in_words(times.backwards)}."
-        yield Finding("warning", text, "Split the recording where the clock was set, or mend time_s.")
+        yield Finding("warning", text, "Split the recording where the clock was set, or correct time_s.")
     if times.repeated:
         doubled = "1 frame has" if times.repeated == 1 else f"{times.repeated} frames have"
         text = f"{doubled} the same time as the frame before."
@@ -198,11 +196,11 @@ def _exposure(check: DataCheck) -> Iterator[Finding]:
         (check.exposure.frozen, "the same as the one before", "Check the camera driver; remove the copies."),
     )
     bad = False
-    for share, what, way_out in cases:
+    for share, what, hint in cases:
         if share > 0.02:
             bad = True
             level, reason = _weight(share, what)
-            yield Finding(level, f"{percent(share)} of the images are {what}.", way_out, reason)
+            yield Finding(level, f"{percent(share)} of the images are {what}.", hint, reason)
     if check.exposure.blurred > 0.2:
         bad = True
         text = f"{percent(check.exposure.blurred)} of the images are much less sharp than the rest."
@@ -275,8 +273,8 @@ def _rays(check: DataCheck) -> Iterator[Finding]:
     share = percent(check.labels.valid_rays)
     text = f"{share} of the pixels have a valid ray; the lens model cannot be inverted elsewhere."
     if check.labels.valid_rays < 0.7:
-        way_out = "Check distortion, its order (k1, k2, p1, p2, k3) and the model in the camera file."
-        yield Finding("warning", text, way_out, "the lens model holds for a part of the image only")
+        hint = "Check distortion, its order (k1, k2, p1, p2, k3) and the model in the camera file."
+        yield Finding("warning", text, hint, "the lens model holds for a part of the image only")
     else:
         yield Finding("ok", text)
 

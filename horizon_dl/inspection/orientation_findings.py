@@ -17,8 +17,8 @@ def convention_finding(check: DataCheck) -> Iterator[Finding]:
         return
     text = " ".join(found.lines()[:1])
     if found.option:
-        way_out = f'Read it so with --convention "{found.option}", or mend the log.'
-        yield Finding("warning", text, way_out, f"the attitude is read wrongly: {found.says}")
+        hint = f'Read it so with --convention "{found.option}", or correct the log.'
+        yield Finding("warning", text, hint, f"the attitude is read wrongly: {found.says}")
     else:
         yield Finding("ok", text)
 

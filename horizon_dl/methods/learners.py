@@ -21,7 +21,7 @@ from horizon_dl.models.net_measures import net_measures
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.online.learner import OnlineLearner
 from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy, measures
-from horizon_dl.workers import HERE, Workers
+from horizon_dl.workers import SERIAL, Workers
 
 Map = NDArray[np.float32]
 
@@ -79,7 +79,9 @@ class ForestMethod:
         return _forest_scores(self.forest, view)
 
 
-def fit_forest(store: FrameStore, indices: Sequence[int], seed: int, workers: Workers = HERE) -> ForestMethod:
+def fit_forest(
+    store: FrameStore, indices: Sequence[int], seed: int, workers: Workers = SERIAL
+) -> ForestMethod:
     """The forest on pixels drawn evenly from the frames of a recording; features and fit are the workers'."""
     config = store.config
     per_frame = -(-config.forest.training_pixels // len(indices))

@@ -70,7 +70,7 @@ class Confusion:
     false_alarms: int = 0
     floor: int = 0
 
-    def add(self, obstacle_map: NDArray[np.bool_], pixels: ScoredPixels) -> None:
+    def update(self, obstacle_map: NDArray[np.bool_], pixels: ScoredPixels) -> None:
         """Count one frame's (h, w) map, enlarged to the truth's size."""
         size = (pixels.mask.shape[1], pixels.mask.shape[0])
         found = np.asarray(Image.fromarray(obstacle_map).resize(size, Image.Resampling.NEAREST))[pixels.mask]
@@ -79,7 +79,7 @@ class Confusion:
         self.false_alarms += int(np.sum(found & ~pixels.obstacle))
         self.floor += int(np.sum(~pixels.obstacle))
 
-    def rates(self) -> tuple[float | None, float | None]:
+    def compute(self) -> tuple[float | None, float | None]:
         """True- and false-positive rate; None for a missing class."""
         return (
             self.hits / self.obstacles if self.obstacles else None,
@@ -88,7 +88,7 @@ class Confusion:
 
 
 @dataclass
-class Tally:
+class MethodAccumulator:
     """Figures of one method under one seed, gathered frame by frame in bounded memory.
 
     Attributes:
@@ -132,8 +132,8 @@ class Tally:
     def add_obstacle_map(self, score: NDArray[np.float32], threshold: float, pixels: ScoredPixels) -> None:
         """Count the obstacle map before and after its filter."""
         over = score > threshold
-        self.raw.add(over, pixels)
-        self.filtered.add(without_lone_pixels(over), pixels)
+        self.raw.update(over, pixels)
+        self.filtered.update(without_lone_pixels(over), pixels)
 
     def add_sides(self, view: View, p_above: NDArray[np.float32], band_rad: float) -> None:
         """Count the pixels outside the ignore band whose side of the horizon was predicted rightly."""
@@ -142,11 +142,11 @@ class Tally:
         above = label[counts] == ABOVE
         self.right_sides += int(np.sum((p_above > 0.5)[counts] == above))
         self.sides += int(np.sum(counts))
-        self.calibration.add(p_above[counts], above)
+        self.calibration.update(p_above[counts], above)
 
 
 def _add_to(
     rocs: dict[str, RocAccumulator], name: str, values: NDArray[np.float32], pixels: ScoredPixels
 ) -> None:
     roc = rocs.setdefault(name, RocAccumulator())
-    roc.add(values[pixels.mask], pixels.obstacle, pixels.depression_rad)
+    roc.update(values[pixels.mask], pixels.obstacle, pixels.depression_rad)

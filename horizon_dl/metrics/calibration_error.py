@@ -18,8 +18,8 @@ class Reliability:
 
     Example:
         >>> calibration = Reliability()
-        >>> calibration.add(np.array([0.9, 0.9]), np.array([True, False]))
-        >>> round(calibration.error(), 6)
+        >>> calibration.update(np.array([0.9, 0.9]), np.array([True, False]))
+        >>> round(calibration.compute(), 6)
         0.4
     """
 
@@ -28,7 +28,7 @@ class Reliability:
         self._predicted = np.zeros(bins)
         self._above = np.zeros(bins)
 
-    def add(self, p_above: NDArray[np.floating], above: NDArray[np.bool_]) -> None:
+    def update(self, p_above: NDArray[np.floating], above: NDArray[np.bool_]) -> None:
         """Count pixels: `p_above` (n,) in [0, 1], and (n,) whether each is above the horizon."""
         bins = len(self._counts)
         index = np.minimum((p_above * bins).astype(np.intp), bins - 1)
@@ -47,7 +47,7 @@ class Reliability:
         with np.errstate(invalid="ignore"):
             return self._predicted / self._counts, self._above / self._counts, self._counts.copy()
 
-    def error(self) -> float | None:
+    def compute(self) -> float | None:
         """The expected calibration error, in [0, 1]; None before any pixel was counted."""
         total = self._counts.sum()
         return float(np.abs(self._predicted - self._above).sum() / total) if total else None

@@ -15,7 +15,7 @@ from horizon_dl.metrics.range_truth import true_distances
 from horizon_dl.ranging.free_distance import (
     FreeDistances,
     Outcome,
-    RangingRules,
+    RangingParams,
     free_distances,
     free_distances_from_p,
 )
@@ -28,7 +28,7 @@ EVALUATION_BEARINGS = Bearings(120, math.radians(1.0))
 
 
 @dataclass
-class RangingTally:
+class RangingAccumulator:
     """Errors of free distances over the bearings whose true distance lies in an interval.
 
     A contact below the image cannot be measured, but its obstacle must not be overlooked: such bearings count
@@ -50,12 +50,12 @@ class RangingTally:
     far_m: float = 25.0
     connected_only: bool = False
     bearings: Bearings = EVALUATION_BEARINGS
-    rules: RangingRules = field(default_factory=RangingRules)
+    rules: RangingParams = field(default_factory=RangingParams)
     relative: list[Floats] = field(default_factory=list)
     within_2sd: list[NDArray[np.bool_]] = field(default_factory=list)
     counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(5, np.int64))
 
-    def add(
+    def update(
         self,
         frame: Frame,
         found: NDArray[np.bool_] | Floats,
@@ -108,7 +108,7 @@ class RangingTally:
         self.relative.append((error / truth[measured]).astype(np.float32))
         self.within_2sd.append(error <= 2 * found.sd_m[used][measured])
 
-    def metrics(self) -> dict[str, Any]:
+    def compute(self) -> dict[str, Any]:
         """The figures; None where there was nothing to measure.
 
         `columns` bearings had a true distance in the interval. Of them `missed` (share reported free beyond

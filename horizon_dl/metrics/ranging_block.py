@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.metrics.range_truth import level_ranges, true_obstacles
-from horizon_dl.metrics.ranging import RangingTally
+from horizon_dl.metrics.ranging import RangingAccumulator
 from horizon_dl.ranging.free_distance import p_of_entropy
 
 INDOORS_M = (0.7, 4.0)
@@ -16,30 +16,30 @@ ON_THE_ROAD_M = (5.0, 25.0)
 
 
 class RangingBlock:
-    """Three tallies over the frames that have a range image: all obstacles of a learner, those connected to
+    """Three accumulators over the frames with a range image: all obstacles of a learner, those connected to
     the horizon, and the truth's own floor in front of them, which shows what ranging itself gets wrong.
 
     Distances count from 0.7 to 4 m, those of a car (its floor has a normal of its own) from 5 to 25 m.
 
     Attributes:
-        tallies: `everything`, `connected` and `true_floor`.
+        accumulators: `everything`, `connected` and `true_floor`.
 
     Example:
         >>> block = RangingBlock(recording.headers)                    # doctest: +SKIP
-        >>> block.add(frame, p_above, threshold)               # doctest: +SKIP
-        >>> metrics["ranging"] = block.metrics()               # doctest: +SKIP
+        >>> block.update(frame, p_above, threshold)               # doctest: +SKIP
+        >>> metrics["ranging"] = block.compute()               # doctest: +SKIP
     """
 
     def __init__(self, headers: Sequence[FrameHeader] = ()) -> None:
         on_the_road = any(header.floor_up_cam is not None for header in headers)
         near_m, far_m = ON_THE_ROAD_M if on_the_road else INDOORS_M
-        self.tallies = {
-            "everything": RangingTally(near_m, far_m),
-            "connected": RangingTally(near_m, far_m, connected_only=True),
-            "true_floor": RangingTally(near_m, far_m),
+        self.accumulators = {
+            "everything": RangingAccumulator(near_m, far_m),
+            "connected": RangingAccumulator(near_m, far_m, connected_only=True),
+            "true_floor": RangingAccumulator(near_m, far_m),
         }
 
-    def add(self, frame: Frame, p_above: NDArray[np.float32], threshold: float) -> None:
+    def update(self, frame: Frame, p_above: NDArray[np.float32], threshold: float) -> None:
         """Count one frame; those without range, truth, attitude or height are left out.
 
         Args:
@@ -51,13 +51,13 @@ class RangingBlock:
         if range_m is None or frame.truth is None:
             return
         for name in ("everything", "connected"):
-            self.tallies[name].add(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
+            self.accumulators[name].update(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
         if frame.up_cam is not None:
-            true_floor = self.tallies["true_floor"]
+            true_floor = self.accumulators["true_floor"]
             not_free, known = true_obstacles(frame, range_m, true_floor.bearings)
-            true_floor.add(frame, not_free, range_m, known=known)
+            true_floor.update(frame, not_free, range_m, known=known)
 
-    def metrics(self) -> dict[str, Any]:
-        """Figures of all obstacles, with `connected` and `true_floor` beside them; see `RangingTally`."""
-        blocks = {name: tally.metrics() for name, tally in self.tallies.items()}
+    def compute(self) -> dict[str, Any]:
+        """Of all obstacles, with `connected` and `true_floor` beside them; see `RangingAccumulator`."""
+        blocks = {name: accumulator.compute() for name, accumulator in self.accumulators.items()}
         return {**blocks.pop("everything"), **blocks}

@@ -47,8 +47,8 @@ class RocAccumulator:
 
     Example:
         >>> roc = RocAccumulator()
-        >>> roc.add(np.array([0.9, 0.2]), np.array([True, False]), np.array([0.1, 0.1]))
-        >>> roc.result().auc
+        >>> roc.update(np.array([0.9, 0.2]), np.array([True, False]), np.array([0.1, 0.1]))
+        >>> roc.compute().auc
         1.0
     """
 
@@ -56,7 +56,7 @@ class RocAccumulator:
         # Zeros take no memory until written, so bands that never occur are free.
         self.counts: Counts = np.zeros((BANDS, 2, BINS), np.int64)
 
-    def add(
+    def update(
         self,
         score: NDArray[np.floating],
         positive: NDArray[np.bool_],
@@ -86,7 +86,7 @@ class RocAccumulator:
         """Add everything that another one has counted."""
         self.counts += other.counts
 
-    def result(self) -> RocResult:
+    def compute(self) -> RocResult:
         """All figures of what was counted so far."""
         floor, obstacle = self._pooled()
         positives, negatives = int(obstacle.sum()), int(floor.sum())

@@ -19,13 +19,13 @@ class RunningSides:
     def __init__(self) -> None:
         self._frames: deque[tuple[int, int, Reliability]] = deque(maxlen=WINDOW_FRAMES)
 
-    def add(self, p_above: NDArray[np.float32], elevation: NDArray[np.float32], band_rad: float) -> None:
+    def update(self, p_above: NDArray[np.float32], elevation: NDArray[np.float32], band_rad: float) -> None:
         """Count the pixels of one frame outside the ignore band."""
         label = horizon_label(elevation, band_rad)
         used = label != IGNORED
         above = label[used] == ABOVE
         calibration = Reliability()
-        calibration.add(p_above[used], above)
+        calibration.update(p_above[used], above)
         self._frames.append((int(np.sum((p_above[used] > 0.5) == above)), int(used.sum()), calibration))
 
     @property
@@ -40,7 +40,7 @@ class RunningSides:
         together = Reliability()
         for _, _, calibration in self._frames:
             together.merge(calibration)
-        return together.error()
+        return together.compute()
 
     def snapshot(self) -> Snapshot:
         """The window."""

@@ -11,14 +11,14 @@ from horizon_dl.evaluation.progressive import ProgressiveValidation
 from horizon_dl.methods.registry import NET
 from horizon_dl.methods.scores import score_maps
 from horizon_dl.metrics.accumulator_state import (
+    accumulator_snapshot,
     ranging_snapshot,
     restore_ranging,
     restore_threshold,
-    restored_tally,
-    tally_snapshot,
+    restored_accumulator,
     threshold_snapshot,
 )
-from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.roc import RocAccumulator, RocResult
 from horizon_dl.metrics.running import RunningSides
@@ -49,7 +49,7 @@ class OnlineFigures:
 
     def __init__(self, config: Config, headers: Sequence[FrameHeader] = ()) -> None:
         self.validation = ProgressiveValidation((NET,), config, headers)
-        self.tally.rocs |= {name: RocAccumulator() for name in SCORES}
+        self.accumulator.rocs |= {name: RocAccumulator() for name in SCORES}
         self.sides = RunningSides()
         self.reasons: Counter[str] = Counter()
         self.seen = self.predicted = self.learned = 0
@@ -57,15 +57,15 @@ class OnlineFigures:
         self._result: RocResult | None = None
 
     @property
-    def tally(self) -> Tally:
+    def accumulator(self) -> MethodAccumulator:
         """Of the labelled frames after the first 20, and of the sides of all frames after them."""
-        return self.validation.tallies[NET]
+        return self.validation.accumulators[NET]
 
     def timed(self, predict_s: float) -> None:
         """Count a prediction, of whatever frame."""
         self.predicted += 1
-        self.tally.frames += 1
-        self.tally.predict_s += predict_s
+        self.accumulator.frames += 1
+        self.accumulator.predict_s += predict_s
 
     def settled(self, not_learned: str | None) -> None:
         """Count a frame that was learned from, or why it was not."""
@@ -84,7 +84,7 @@ class OnlineFigures:
             found: by the net as it was before it learned from the frame.
             net: that net.
         """
-        self.sides.add(found.p_above, view.elevation, self._config.labels.band_rad)
+        self.sides.update(found.p_above, view.elevation, self._config.labels.band_rad)
         if not self.learned:
             return
         maps = {P_ABOVE: found.p_above, "entropy": found.entropy}
@@ -96,7 +96,7 @@ class OnlineFigures:
     def auc(self) -> tuple[float | None, float | None]:
         """AUC of the entropy, pooled and within depression bands; None before any labelled frame."""
         if self._result is None and self.validation.tested:
-            self._result = self.tally.rocs["entropy"].result()
+            self._result = self.accumulator.rocs["entropy"].compute()
         return (self._result.auc, self._result.auc_within_depression) if self._result else (None, None)
 
     def counts(self) -> dict[str, Any]:
@@ -121,8 +121,8 @@ class OnlineFigures:
             "protocol": "prequential",
             "seeds": [self._config.seed],
             "frames": frames,
-            "methods": {NET: method_metrics([self.tally], self.validation.thresholds[NET].rule)},
-            "ranging": self.validation.ranging.metrics(),
+            "methods": {NET: method_metrics([self.accumulator], self.validation.thresholds[NET].rule)},
+            "ranging": self.validation.ranging.compute(),
         }
 
     def snapshot(self) -> Snapshot:
@@ -133,7 +133,7 @@ class OnlineFigures:
             "counts": Snapshot(
                 values={**counts, "tested": self.validation.tested, "reasons": dict(self.reasons)}
             ),
-            "tally": tally_snapshot(self.tally),
+            "accumulator": accumulator_snapshot(self.accumulator),
             "sides": self.sides.snapshot(),
             "entropies": threshold_snapshot(self.validation.thresholds[NET]),
         }
@@ -146,7 +146,7 @@ class OnlineFigures:
         self.validation.tested = counts.pop("tested")
         for name, count in counts.items():
             setattr(self, name, count)
-        self.validation.tallies[NET] = restored_tally(snapshot.part("tally"))
+        self.validation.accumulators[NET] = restored_accumulator(snapshot.part("accumulator"))
         self.sides.restore(snapshot.part("sides"))
         restore_threshold(self.validation.thresholds[NET], snapshot.part("entropies"))
         restore_ranging(self.validation.ranging, snapshot.part("ranging"))

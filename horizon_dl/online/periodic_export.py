@@ -12,7 +12,7 @@ from horizon_dl.output import output_folder
 from horizon_dl.training.run_folder import Run
 
 
-class HotExport:
+class PeriodicExport:
     """Writes `model.onnx` again and again, in a thread, so that neither learning nor prediction waits.
 
     The file appears as a whole: whoever opens it gets the old one or the new. A failed export is counted,

@@ -18,8 +18,8 @@ from horizon_dl.errors import FrameError, InputError
 from horizon_dl.methods.registry import NET
 from horizon_dl.online.figures import OnlineFigures
 from horizon_dl.online.guard import Distrust, StreamGuard
-from horizon_dl.online.periodic_export import HotExport
-from horizon_dl.online.run_directory import KIND, RunKeeper
+from horizon_dl.online.periodic_export import PeriodicExport
+from horizon_dl.online.run_directory import KIND, RunDirectory
 from horizon_dl.output import output_folder, write_json
 from horizon_dl.runtime.ranged import ranges_of
 from horizon_dl.training.checkpoint import Snapshot
@@ -95,13 +95,15 @@ class OnlineRun:
         self.learner = OnlineLearner(config, config.seed)
         self.guard = StreamGuard()
         self.figures = OnlineFigures(config, source.headers if isinstance(source, Recording) else ())
-        self.keeper = RunKeeper(folder, source, config, restart=restart, overwrite=overwrite)
+        self.keeper = RunDirectory(folder, source, config, restart=restart, overwrite=overwrite)
         self.stopped = False
         self.sink: Sink | None = None
         self.show_every = 1
         self._max_frames = max_frames
         self._camera = calibrated(source)
-        self._export = None if export_every_s is None else HotExport(folder, self._camera, export_every_s)
+        self._export = (
+            None if export_every_s is None else PeriodicExport(folder, self._camera, export_every_s)
+        )
         if self.keeper.found is not None:
             self._restore(self.keeper.found)
         self.position = self.keeper.position
@@ -166,7 +168,7 @@ class OnlineRun:
                 break
             losses.append(loss)
             yield
-        self.figures.tally.train_s += seen.learn_s
+        self.figures.accumulator.train_s += seen.learn_s
         seen.loss = mean_loss(losses)
 
     def settle(self, seen: Seen) -> None:
@@ -253,7 +255,7 @@ class OnlineRun:
                 "remembered": len(self.learner.memory),
                 "checkpoints_failed": self.keeper.failed,
             },
-            "train_s": self.figures.tally.train_s,
+            "train_s": self.figures.accumulator.train_s,
         }
 
     def _line(self, seen: Seen) -> dict[str, Any]:

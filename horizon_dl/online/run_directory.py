@@ -23,7 +23,7 @@ FREE_KEYS = ("checkpoint_frames", "checkpoint_s")
 """Settings under `online` that may change from one start to the next."""
 
 
-class RunKeeper:
+class RunDirectory:
     """Writes what must outlive the process, and goes on where it cannot; one at a time in a folder.
 
     Attributes:

@@ -73,7 +73,7 @@ def hashes(folder: Path) -> dict[str, str]:
     return {name: file_hash(path) for name, path in names.items() if name != MANIFEST}
 
 
-def check_files(folder: Path, names: tuple[str, ...], way_out: str) -> None:
+def check_files(folder: Path, names: tuple[str, ...], hint: str) -> None:
     """The files are what the folder's manifest says; a folder of an older version has none.
 
     Raises:
@@ -85,7 +85,7 @@ def check_files(folder: Path, names: tuple[str, ...], way_out: str) -> None:
     for name in names:
         known = manifest.files.get(name)
         if known is not None and file_hash(folder / name) != known:
-            raise InputError(folder / name, "is damaged or was altered (its SHA-256 does not fit)", way_out)
+            raise InputError(folder / name, "is damaged or was altered (its SHA-256 does not fit)", hint)
 
 
 def file_hash(path: Path) -> str:

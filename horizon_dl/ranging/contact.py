@@ -17,7 +17,7 @@ LARGEST_LOGIT_STEP = 1.5
 
 
 @dataclass(frozen=True)
-class RiseRules:
+class ContactDetectorParams:
     """When `p_above` counts as risen from the floor's level; logits, so that floors of 0.02 and 0.2 compare.
 
     Attributes:
@@ -56,7 +56,7 @@ def first_contact(obstacle: Mask, seen: Mask, window: int, share: float, unseen_
     return np.where(starts.any(axis=1), last, -1)
 
 
-def floor_level(logit: Floats, seen: Mask, usual: float | None, rules: RiseRules) -> float:
+def floor_level(logit: Floats, seen: Mask, usual: float | None, rules: ContactDetectorParams) -> float:
     """The floor's logit in a frame: a percentile of its cells, but at most the `usual` level of training.
 
     Without the limit a frame full of wall would be all floor.
@@ -71,7 +71,7 @@ def first_rise(
     seen: Mask,
     level: float,
     row_step_rad: float,
-    rules: RiseRules,
+    rules: ContactDetectorParams,
     unseen_rows: int = 0,
 ) -> tuple[Rows, Rows, Floats]:
     """Rows where each sector's first lasting rise over its floor begins and is certain; the floor's level.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.geometry.polar import PolarView
 from horizon_dl.ranging.contact import (
-    RiseRules,
+    ContactDetectorParams,
     Rows,
     connected_to_horizon,
     first_contact,
@@ -36,7 +36,7 @@ class Outcome(IntEnum):
 
 
 @dataclass(frozen=True)
-class RangingRules:
+class RangingParams:
     """When a run of obstacle cells counts as an obstacle, and how sure its distance is.
 
     Attributes:
@@ -60,7 +60,7 @@ class RangingRules:
     cell_share: float = 0.2
     attitude_sd_rad: float = math.radians(0.5)
     height_sd: float = 0.03
-    rise: RiseRules = field(default_factory=RiseRules)
+    rise: ContactDetectorParams = field(default_factory=ContactDetectorParams)
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def free_distances(
     *,
     known: Mask | None = None,
     connected_only: bool = False,
-    rules: RangingRules | None = None,
+    rules: RangingParams | None = None,
 ) -> FreeDistances:
     """Walk up each bearing from the nearest visible ground to the first obstacle.
 
@@ -111,7 +111,7 @@ def free_distances(
         One entry a sector. A walk that meets no obstacle ends `FREE`; a sector whose visible cells are fewer
         than the window is high is `UNKNOWN`.
     """
-    rules = rules or RangingRules()
+    rules = rules or RangingParams()
     pixels = polar.pixels if known is None else polar.counts(known)
     seen = pixels > 0
     covered = polar.counts(obstacle if known is None else obstacle & known)
@@ -130,7 +130,7 @@ def free_distances_from_p(
     *,
     floor_p: float | None = None,
     connected_only: bool = False,
-    rules: RangingRules | None = None,
+    rules: RangingParams | None = None,
 ) -> FreeDistances:
     """The same from `p_above` itself: the contact is where it rises from the floor's level.
 
@@ -146,7 +146,7 @@ def free_distances_from_p(
         connected_only: see `free_distances`.
         rules: see `free_distances`.
     """
-    rules = rules or RangingRules()
+    rules = rules or RangingParams()
     mean, seen = polar.means(p_above)
     logit = _logit(mean)
     _, unseen = _window_and_unseen(polar, rules)
@@ -190,7 +190,7 @@ def _logit(p: Floats) -> Floats:
     return np.asarray(np.log(clipped / (1 - clipped)), np.float32)
 
 
-def _window_and_unseen(polar: PolarView, rules: RangingRules) -> tuple[int, int]:
+def _window_and_unseen(polar: PolarView, rules: RangingParams) -> tuple[int, int]:
     unseen = min(_rows(rules.unseen_rad, polar), polar.rows - 1)
     return max(1, _rows(rules.extent_rad, polar)), unseen
 
@@ -201,7 +201,7 @@ def _from_contacts(
     cells: Mask,
     contact: Rows,
     height_m: float | None,
-    rules: RangingRules,
+    rules: RangingParams,
     doubt: NDArray[np.floating] | float = 0.0,
 ) -> FreeDistances:
     window, unseen = _window_and_unseen(polar, rules)
@@ -258,7 +258,7 @@ def _in_metres(
     edge_rows: NDArray[np.floating],
     doubtful_rows: NDArray[np.floating],
     height_m: float | None,
-    rules: RangingRules,
+    rules: RangingParams,
 ) -> FreeDistances:
     depression = np.where(outcome != Outcome.UNKNOWN, edge_rows * polar.row_step_rad, np.nan)
     to_horizon = depression == 0.0
@@ -280,7 +280,7 @@ def distance_sd(
     distance_m: NDArray[np.floating],
     height_m: float,
     contact_sd_rad: NDArray[np.floating],
-    rules: RangingRules,
+    rules: RangingParams,
 ) -> NDArray[np.float64]:
     """Standard deviation of `height / tan(depression)`, m.
 

@@ -25,8 +25,8 @@ def check_lines(check: DataCheck) -> list[str]:
     lines = [f"{check.name} ({check.format})", *textwrap.wrap(check.verdict, LINE_WIDTH), ""]
     for finding in check.findings:
         lines += _wrapped(f"{finding.level:<9}", finding.text)
-        if finding.way_out:
-            lines += _wrapped(" " * 9 + "-> ", finding.way_out)
+        if finding.hint:
+            lines += _wrapped(" " * 9 + "-> ", finding.hint)
     return lines
 
 

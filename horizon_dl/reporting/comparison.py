@@ -74,7 +74,7 @@ def _frames(comparison: Comparison, log: ComparisonLog) -> list[Section]:
             METHOD_NAMES.get(name, name),
             DRAWN_SCORE,
             log.thresholds[name],
-            pooled_roc(comparison.tallies[name], DRAWN_SCORE),
+            pooled_roc(comparison.accumulators[name], DRAWN_SCORE),
         )
         for name in stills[0].said
     }

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.evaluation.compare import Comparison
-from horizon_dl.metrics.accumulators import Tally
+from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.calibration_error import Reliability
 from horizon_dl.metrics.roc import LOGIT_RANGE, RocAccumulator
 from horizon_dl.reporting.chart import Chart, Line
@@ -19,21 +19,21 @@ from horizon_dl.runtime.prediction import DRAWN_SCORE
 BEST = "fused"
 
 
-def pooled_roc(tallies: Sequence[Tally], score: str) -> RocAccumulator | None:
+def pooled_roc(accumulators: Sequence[MethodAccumulator], score: str) -> RocAccumulator | None:
     """A score's counts over all seeds."""
-    if not any(score in tally.rocs for tally in tallies):
+    if not any(score in accumulator.rocs for accumulator in accumulators):
         return None
     pooled = RocAccumulator()
-    for tally in tallies:
-        if score in tally.rocs:
-            pooled.merge(tally.rocs[score])
+    for accumulator in accumulators:
+        if score in accumulator.rocs:
+            pooled.merge(accumulator.rocs[score])
     return pooled
 
 
 def _drawn(comparison: Comparison) -> list[tuple[str, str, str]]:
     """Method, score and name of every curve: each method's headline, and the learners' fused score."""
     found = []
-    for method in comparison.tallies:
+    for method in comparison.accumulators:
         scores = (headline_score(method),) if method in NO_LEARNING else (DRAWN_SCORE, BEST)
         for score in dict.fromkeys(scores):
             name = METHOD_NAMES.get(method, method)
@@ -47,7 +47,7 @@ def roc_lines(comparison: Comparison) -> list[RocLine]:
     """The curves pooled over seeds, for the figure in a file."""
     lines = []
     for method, score, name in _drawn(comparison):
-        pooled = pooled_roc(comparison.tallies[method], score)
+        pooled = pooled_roc(comparison.accumulators[method], score)
         curve = None if pooled is None else pooled.curve()
         if curve is None:
             continue
@@ -63,7 +63,7 @@ def roc_chart(comparison: Comparison) -> Chart | None:
     """All curves with their thresholds on hover; the mark moves with the frames' threshold."""
     lines = []
     for method, score, name in _drawn(comparison):
-        pooled = pooled_roc(comparison.tallies[method], score)
+        pooled = pooled_roc(comparison.accumulators[method], score)
         if pooled is None:
             continue
         thresholds = 1.0 / (1.0 + np.exp(-np.linspace(*LOGIT_RANGE, 1500)))
@@ -96,11 +96,11 @@ def _threshold_at(
 def calibration_chart(comparison: Comparison) -> Chart | None:
     """The learners' reliability over all seeds, their expected calibration errors in the legend."""
     lines = []
-    for method, tallies in comparison.tallies.items():
+    for method, accumulators in comparison.accumulators.items():
         pooled = Reliability()
-        for tally in tallies:
-            pooled.merge(tally.calibration)
-        if (error := pooled.error()) is None:
+        for accumulator in accumulators:
+            pooled.merge(accumulator.calibration)
+        if (error := pooled.compute()) is None:
             continue
         predicted, observed, counts = pooled.curve()
         points = [(float(x), float(y)) for x, y in zip(predicted, observed, strict=True) if np.isfinite(x)]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from horizon_dl.evaluation.scoring import ScoredFrame
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.range_truth import level_ranges, true_distances
-from horizon_dl.metrics.ranging import EVALUATION_BEARINGS, RangingTally
+from horizon_dl.metrics.ranging import EVALUATION_BEARINGS, RangingAccumulator
 from horizon_dl.output.names import ResultNames
 from horizon_dl.ranging.free_distance import Outcome, p_of_entropy
 from horizon_dl.reporting.outputs import can_film
@@ -103,7 +103,7 @@ class ComparisonLog:
         if range_m is None or frame.truth is None:
             return
         p_above, threshold = scored.maps[learner][P_ABOVE], scored.thresholds[learner]
-        found = RangingTally().add(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
+        found = RangingAccumulator().update(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
         if found is None:
             return
         truth_m = true_distances(frame, range_m, EVALUATION_BEARINGS)

@@ -153,7 +153,7 @@ def reliability(
         Three arrays (bins,); the first two NaN where a bin is empty.
     """
     found = Reliability(bins)
-    found.add(p_above, above)
+    found.update(p_above, above)
     return found.curve()
 
 

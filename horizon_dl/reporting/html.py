@@ -144,9 +144,9 @@ def _table(section: Table) -> Html:
 def _findings(section: Findings) -> Html:
     rows = []
     for finding in section.findings:
-        way_out = el("span", finding.way_out, class_="way-out") if finding.way_out else None
+        hint = el("span", finding.hint, class_="way-out") if finding.hint else None
         level = el("span", finding.level, class_=f"level {finding.level}")
-        rows.append(el("li", level, el("span", finding.text, way_out)))
+        rows.append(el("li", level, el("span", finding.text, hint)))
     return el("ul", *rows, class_="findings")
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from horizon_dl.provenance import machine, versions
-from horizon_dl.runtime.checksum import read_sealed
+from horizon_dl.runtime.checksum import read_checksummed
 from horizon_dl.runtime.model import ObstacleModel, new_session
 
 WARM_UP = 5
@@ -52,7 +52,7 @@ def benchmark(paths: Sequence[Path], threads: Sequence[int], runs: int) -> dict[
     sessions: dict[tuple[int, int], Callable[[], object]] = {}
     for index, path in enumerate(paths):
         for count in threads:
-            sessions[index, count] = _runner(read_sealed(path)[0], count, feeds[index])
+            sessions[index, count] = _runner(read_checksummed(path)[0], count, feeds[index])
     times = timed_in_turn(sessions, runs)
     files = []
     for index, (path, model) in enumerate(zip(paths, models, strict=True)):
@@ -115,7 +115,7 @@ def stages(path: Path, threads: int, feed: Feed, runs: int = 20) -> dict[str, fl
     with tempfile.TemporaryDirectory() as folder:
         prefix = str(Path(folder) / "profile")
         options = {"enable_profiling": True, "profile_file_prefix": prefix}
-        session = new_session(read_sealed(path)[0], threads, **options)
+        session = new_session(read_checksummed(path)[0], threads, **options)
         for _ in range(WARM_UP + runs):
             session.run(None, feed)
         events = json.loads(Path(session.end_profiling()).read_text())

@@ -27,7 +27,7 @@ MOST_BYTES = 2**30
 _WAY_OUT = "export it again with `horizon-dl export`"
 
 
-def sealed(blank_file: bytes, sign: Signer | None = None) -> bytes:
+def checksummed(blank_file: bytes, sign: Signer | None = None) -> bytes:
     """The bytes of a file that holds the `BLANK` seal, with length and hash filled in.
 
     The hash is that of the whole file with zeros in place of hash and signature.
@@ -49,7 +49,7 @@ def sealed(blank_file: bytes, sign: Signer | None = None) -> bytes:
     return unsigned[:start] + seal + unsigned[start + len(blank) :]
 
 
-def read_sealed(path: Path, trusted: Verifier | None = None) -> tuple[bytes, str]:
+def read_checksummed(path: Path, trusted: Verifier | None = None) -> tuple[bytes, str]:
     """The bytes of a model file, and its hash.
 
     Args:

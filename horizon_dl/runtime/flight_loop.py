@@ -21,7 +21,7 @@ from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation, up_in_camera
 from horizon_dl.ranging.free_distance import FreeDistances
 from horizon_dl.runtime.latency import Latencies
-from horizon_dl.runtime.perception import Sighting
+from horizon_dl.runtime.perception import Perception
 from horizon_dl.runtime.watchdog import Clock, Watchdog
 from horizon_dl.vehicle.mavlink import INFO, WARNING, Link
 from horizon_dl.vehicle.obstacle_distance import MessageShape, distances_cm
@@ -33,7 +33,7 @@ LEAST_ATTITUDES_HZ = 8.0
 
 
 @dataclass(frozen=True)
-class FlySettings:
+class FlightSettings:
     """How the loop runs.
 
     Attributes:
@@ -58,7 +58,7 @@ class _Sighted:
     doubted: bool = False
 
 
-class Fly:
+class FlightLoop:
     """One flight.
 
     Attributes:
@@ -74,14 +74,14 @@ class Fly:
     """
 
     def __init__(
-        self, sighting: Sighting, link: Link, settings: FlySettings, clock: Clock = time.monotonic
+        self, perception: Perception, link: Link, settings: FlightSettings, clock: Clock = time.monotonic
     ) -> None:
         self.watchdog = Watchdog(clock, hint=self._attitude_hint)
         self.autopilot = Autopilot(clock, self.watchdog.attitude)
         self.latencies, self.periods = Latencies(), Latencies()
         self.sent = self.unsent = self.unknown = self.looked_at = self.without_attitude = self.doubted = 0
         self.pictures_seen = self.pictures_skipped = 0
-        self._sighting, self._link, self._settings, self._clock = sighting, link, settings, clock
+        self._sighting, self._link, self._settings, self._clock = perception, link, settings, clock
         self._newest = _Sighted(-np.inf, None)
         self._height = HeightWatch()
         self._reported_s = -np.inf

@@ -15,7 +15,7 @@ from horizon_dl.runtime.signature import Verifier
 Stamp = tuple[int, int, int]
 
 
-class FollowedModel:
+class HotReloadedModel:
     """An `ObstacleModel` that looks at every prediction whether its file was replaced.
 
     The new file is loaded in a thread while the old one predicts, and takes over between two frames: no frame
@@ -51,7 +51,7 @@ class FollowedModel:
         self._fresh: ObstacleModel | None = None
 
     @classmethod
-    def load(cls, path: str | Path, threads: int = 1, trusted: Verifier | None = None) -> "FollowedModel":
+    def load(cls, path: str | Path, threads: int = 1, trusted: Verifier | None = None) -> "HotReloadedModel":
         """As `ObstacleModel.load`."""
         as_loaded = stamp(Path(path))  # before it is read: a file that comes meanwhile is a fresh one
         return cls(ObstacleModel.load(path, threads, trusted), Path(path), threads, as_loaded, trusted)

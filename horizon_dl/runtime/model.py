@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from horizon_dl.errors import InputError, shortened
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.acceptance import checked_place, checked_size, checked_threshold, smoke_test
-from horizon_dl.runtime.checksum import read_sealed
+from horizon_dl.runtime.checksum import read_checksummed
 from horizon_dl.runtime.signature import Verifier
 
 INPUTS = ("image", "up_cam")
@@ -94,7 +94,7 @@ class ObstacleModel:
             InputError: no such file, another kind of file, cut off, altered, or without its card.
         """
         path = Path(path)
-        content, sha256 = read_sealed(path, trusted)
+        content, sha256 = read_checksummed(path, trusted)
         try:
             session = new_session(content, threads)
             card = json.loads(session.get_modelmeta().custom_metadata_map[CARD_KEY])

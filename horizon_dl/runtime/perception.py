@@ -17,7 +17,7 @@ from horizon_dl.ranging.free_distance import FreeDistances, free_distances_from_
 from horizon_dl.ranging.temporal_filter import SectorFilter
 
 
-class PictureModel(Protocol):
+class FrameModel(Protocol):
     """What is needed of a model; `ObstacleModel` has it."""
 
     camera: Camera
@@ -28,7 +28,7 @@ class PictureModel(Protocol):
         """An object with `p_above` and `elevation`, (h, w) each."""
 
 
-def model_rays(model: PictureModel) -> NDArray[np.float32]:
+def model_rays(model: FrameModel) -> NDArray[np.float32]:
     """(h, w, 3) unit rays of a model's working size, optical frame, NaN where not valid.
 
     The rays are inside the model file. The elevation over each axis taken for "up" is the arc sine of that
@@ -46,7 +46,7 @@ def forward_in_camera(mount_rpy_rad: Sequence[float]) -> NDArray[np.float64]:
 
 
 @dataclass
-class Sighting:
+class Perception:
     """Looks at one picture after the other.
 
     Attributes:
@@ -61,7 +61,7 @@ class Sighting:
         connected_only: leave out obstacles that do not reach the horizon.
     """
 
-    model: PictureModel
+    model: FrameModel
     rays: NDArray[np.float32]
     forward_cam: NDArray[np.float64]
     bearings: Bearings
@@ -72,7 +72,7 @@ class Sighting:
     ranged: FreeDistances | None = None
 
     @classmethod
-    def of(cls, model: PictureModel, mount_rpy_rad: Sequence[float], frames: int = 3) -> "Sighting":
+    def of(cls, model: FrameModel, mount_rpy_rad: Sequence[float], frames: int = 3) -> "Perception":
         """Everything that does not change during a flight."""
         rays, forward_cam = model_rays(model), forward_in_camera(mount_rpy_rad)
         judge = Judge(model.camera, model.place)

@@ -6,14 +6,16 @@ from scipy import ndimage
 from skimage.color import rgb2lab
 from skimage.graph import MCP_Geometric
 
+# The constants of the path costs were picked on the scores of arena, corridor, hallway, KITTI and embedded:
+# expect less elsewhere; see docs/RESEARCH.md.
 BLUR = 0.0072
 """Standard deviation of the blur before the gradient, in square roots of the image's area."""
 CHROMA = 0.25
 """Weight of the colours against the lightness: shades of one surface differ more in colour than is useful."""
 EDGE_POWER = 1.5
-"""An edge twice as steep is more than twice as dear, so that texture is cheap and contours are not."""
+"""An edge twice as steep is more than twice as costly, so that texture is cheap and contours are not."""
 EDGE_LIMIT = 6.0
-"""No edge is dearer than this many times the mean gradient."""
+"""No edge is costlier than this many times the mean gradient."""
 LENGTH_COST = 0.1
 """Cost of a step where nothing changes, in mean gradients."""
 IMAGE_SHARE = 0.5
@@ -34,8 +36,9 @@ def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | Non
 
     At first `m = exp(-d)`, d the cost of the way to the horizon: a wall that one can climb to the horizon
     without crossing an edge has a target near 0.5, and a floor behind an edge, or far away, is near its plain
-    label. With what a net has learned, m is the mean of that and of `way_share`: an obstacle is not only near
-    the horizon, but also far from the sure floor. Without a horizon in the image every label is plain.
+    label. With what a net has learned, m is the mean of that and of `relative_geodesic_position`: an obstacle
+    is not only near the horizon, but also far from the sure floor. Without a horizon in the image every label
+    is plain.
 
     Args:
         image: (h, w, 3) uint8 RGB.
@@ -46,17 +49,17 @@ def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | Non
     Returns:
         (h, w) float32 in [0, 1], 1 above, 0.5 on the horizon; NaN where the elevation is NaN.
     """
-    cost = step_cost(image, elevation, p_above)
+    cost = traversal_cost(image, elevation, p_above)
     distance = horizon_distance(cost, elevation)
     mixed = nearness(distance, elevation)
     if p_above is not None:
-        mixed = (mixed + way_share(cost, elevation, p_above, distance)) / 2.0
+        mixed = (mixed + relative_geodesic_position(cost, elevation, p_above, distance)) / 2.0
     return _target(mixed, elevation)
 
 
 def one_way_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
     """The geodesic target by the way to the horizon alone, for comparison; see `geodesic_target`."""
-    distance = horizon_distance(step_cost(image, elevation, p_above), elevation)
+    distance = horizon_distance(traversal_cost(image, elevation, p_above), elevation)
     return _target(nearness(distance, elevation), elevation)
 
 
@@ -65,14 +68,14 @@ def _target(mixed: Map, elevation: Map) -> Map:
     return np.where(np.isnan(elevation), np.nan, target).astype(np.float32)
 
 
-def way_share(cost: Map, elevation: Map, p_above: Map, distance: Floats) -> Map:
+def relative_geodesic_position(cost: Map, elevation: Map, p_above: Map, distance: Floats) -> Map:
     """Where a pixel lies on the way from what a net is surest of, 0, to the horizon, 1: `s / (s + d)`.
 
     s is the cost of the way to the sure pixels of the own side, d that of the way to the horizon. So a low
     obstacle, which an edge parts from the horizon, but another one from the floor, too, lies in the middle.
 
     Args:
-        cost: (h, w) of a step, see `step_cost`.
+        cost: (h, w) of a step, see `traversal_cost`.
         elevation: (h, w) rad, NaN where the ray is not valid.
         p_above: (h, w) what the net says.
         distance: (h, w) d, of `horizon_distance`.
@@ -85,14 +88,14 @@ def way_share(cost: Map, elevation: Map, p_above: Map, distance: Floats) -> Map:
     if not horizon.any():
         return np.zeros(elevation.shape, np.float32)
     # Paths end at the horizon: what is sure on the other side of it says nothing about this one.
-    to_sure = path_cost(np.where(horizon, np.inf, cost), sure_pixels(elevation, p_above) & ~horizon)
+    to_sure = path_cost(np.where(horizon, np.inf, cost), confident_seeds(elevation, p_above) & ~horizon)
     reached = np.isfinite(distance)
     share = np.where(horizon, 1.0, np.where(reached, 0.5, 0.0))
     np.divide(to_sure, to_sure + distance, out=share, where=reached & np.isfinite(to_sure) & ~horizon)
     return share.astype(np.float32)
 
 
-def sure_pixels(elevation: Map, p_above: Map) -> NDArray[np.bool_]:
+def confident_seeds(elevation: Map, p_above: Map) -> NDArray[np.bool_]:
     """(h, w) bool: those of each side where the net is surest of that side, the far ones before the near.
 
     Where the net is nearly as sure of a dark obstacle as of the floor, the floor is what lies lower.
@@ -117,7 +120,7 @@ def horizon_distance(cost: Map, elevation: Map) -> Floats:
     """Least cost of a path through the image from each pixel to the horizon line.
 
     Args:
-        cost: (h, w) of a step, see `step_cost`.
+        cost: (h, w) of a step, see `traversal_cost`.
         elevation: (h, w) rad, NaN where the ray is not valid.
 
     Returns:
@@ -155,7 +158,7 @@ def logit(p: Map) -> Map:
     return odds
 
 
-def step_cost(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
+def traversal_cost(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
     """Cost of a step of one pixel: a constant, the image's edges, and the learned ones.
 
     It grows with the gradient relative to the image's mean gradient, so that contrast does not matter.

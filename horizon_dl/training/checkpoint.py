@@ -63,18 +63,18 @@ def write_checkpoint(path: Path, snapshot: Snapshot) -> None:
         write_tensors(beside, snapshot.tensors, {_VALUES: json.dumps(values, allow_nan=False)})
 
 
-def read_checkpoint(path: Path, way_out: str = "start anew with --restart") -> Snapshot:
+def read_checkpoint(path: Path, hint: str = "start anew with --restart") -> Snapshot:
     """The snapshot in a file.
 
     Raises:
         InputError: the file is damaged, or of another version.
     """
-    tensors, texts = read_tensors(path, way_out)
+    tensors, texts = read_tensors(path, hint)
     try:
         values = json.loads(texts[_VALUES])
         version = values.pop("format", None)
     except (KeyError, ValueError, AttributeError, RecursionError):
-        raise InputError(path, "is no checkpoint", way_out) from None
+        raise InputError(path, "is no checkpoint", hint) from None
     if version != FORMAT:
-        raise InputError(path, "is of another version of horizon-dl", way_out)
+        raise InputError(path, "is of another version of horizon-dl", hint)
     return Snapshot(tensors, values)

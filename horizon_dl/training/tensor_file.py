@@ -40,23 +40,23 @@ def write_tensors(path: Path, tensors: Mapping[str, Tensor], texts: Mapping[str,
         file.write(_hash_with_blank(path, place).encode())
 
 
-def read_tensors(path: Path, way_out: str) -> tuple[dict[str, Tensor], dict[str, str]]:
+def read_tensors(path: Path, hint: str) -> tuple[dict[str, Tensor], dict[str, str]]:
     """Tensors and texts of a file that `write_tensors` wrote; copies, so that the file may be replaced.
 
     Raises:
         InputError: it is damaged, or another kind of file.
     """
     try:
-        check_tensors(path, way_out)
+        check_tensors(path, hint)
         with safe_open(path, "pt") as file:
             texts = file.metadata() or {}
             tensors = {name: file.get_tensor(name).clone() for name in file.keys()}  # noqa: SIM118
     except (OSError, SafetensorError, RuntimeError, ValueError) as error:
-        raise InputError(path, f"cannot be read or is damaged ({type(error).__name__})", way_out) from None
+        raise InputError(path, f"cannot be read or is damaged ({type(error).__name__})", hint) from None
     return tensors, texts
 
 
-def check_tensors(path: Path, way_out: str) -> None:
+def check_tensors(path: Path, hint: str) -> None:
     """The file is as it was written.
 
     Raises:
@@ -65,12 +65,12 @@ def check_tensors(path: Path, way_out: str) -> None:
     """
     place = _place_of_hash(path)
     if place is None:
-        raise InputError(path, "is no file of horizon-dl or is damaged (it has no checksum)", way_out)
+        raise InputError(path, "is no file of horizon-dl or is damaged (it has no checksum)", hint)
     with path.open("rb") as file:
         file.seek(place)
         known = file.read(len(BLANK)).decode()
     if _hash_with_blank(path, place) != known:
-        raise InputError(path, "is damaged (its checksum does not fit)", way_out)
+        raise InputError(path, "is damaged (its checksum does not fit)", hint)
 
 
 def _place_of_hash(path: Path) -> int | None:

@@ -207,7 +207,5 @@ def open_transport(url: str) -> Transport:
             return Serial(host, int(number))
         return UdpOut(host, int(number)) if kind == "udpout" else UdpIn(host, int(number))
     except OSError as error:
-        way_out = "check address and device, and that nothing else uses them"
-        raise InputError(
-            f"--mavlink {url}", f"cannot be opened ({error.strerror or error})", way_out
-        ) from None
+        hint = "check address and device, and that nothing else uses them"
+        raise InputError(f"--mavlink {url}", f"cannot be opened ({error.strerror or error})", hint) from None

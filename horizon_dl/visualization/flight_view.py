@@ -2,9 +2,9 @@
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.ranging.free_distance import FreeDistances
-from horizon_dl.runtime.hot_reload import FollowedModel
+from horizon_dl.runtime.hot_reload import HotReloadedModel
 from horizon_dl.runtime.model import Outputs
-from horizon_dl.runtime.perception import Sighting
+from horizon_dl.runtime.perception import Perception
 from horizon_dl.runtime.predict import of_outputs
 from horizon_dl.runtime.ranged import CAR, DRONE, ranged
 from horizon_dl.visualization.newest_only import NewestFirst
@@ -20,8 +20,8 @@ class FlightView:
         slot: the thread and its slot; what a slow sink leaves is counted there.
     """
 
-    def __init__(self, model: FollowedModel, sighting: Sighting, sink: Sink) -> None:
-        self._model, self._sighting, self._sink = model, sighting, sink
+    def __init__(self, model: HotReloadedModel, perception: Perception, sink: Sink) -> None:
+        self._model, self._sighting, self._sink = model, perception, sink
         self.slot: NewestFirst[Look] = NewestFirst(self._take)
 
     def look(self, frame: Frame, found: FreeDistances) -> None:

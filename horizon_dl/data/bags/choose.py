@@ -29,8 +29,8 @@ def check_named(bag: Bag, named: Sequence[str]) -> None:
         if topic is None or topic.kind not in (*IMAGES, INFO, *KINDS):
             useful = [one.name for one in bag.topics.values() if one.kind in (*IMAGES, INFO, *KINDS)]
             problem = "is not in the bag" if topic is None else f"is of {topic.kind}, which says nothing here"
-            way_out = f"choose from {_listed(useful)}" if useful else "no topic is of use"
-            raise InputError(f"--topic {name}", problem, way_out)
+            hint = f"choose from {_listed(useful)}" if useful else "no topic is of use"
+            raise InputError(f"--topic {name}", problem, hint)
 
 
 def first_message(bag: Bag, topic: Topic) -> Any:

@@ -48,8 +48,8 @@ def reading(path: Path) -> Iterator[None]:
     except Exception as error:  # the library lets through what the damage causes: struct, assert, sqlite, ...
         said = " ".join(str(error).replace(str(path), path.name).split())[:120].rstrip(".")
         why = said or type(error).__name__
-        way_out = WAYS_OUT.get(kind_of(path), "copy it again")
-        raise InputError(path, f"cannot be read as a ROS bag ({why})", way_out) from None
+        hint = WAYS_OUT.get(kind_of(path), "copy it again")
+        raise InputError(path, f"cannot be read as a ROS bag ({why})", hint) from None
 
 
 class Bag:

@@ -73,8 +73,8 @@ def build_camera(
     for (name, (low, high)), value in zip(parameters.items(), padded, strict=True):
         if not low <= value <= high:
             problem = f"{name} of the {lens} lens is {value:g}"
-            way_out = f"it lies between {low:g} and {high:g}: check the order {names}"
-            raise InputError(fields.path, problem, way_out)
+            hint = f"it lies between {low:g} and {high:g}: check the order {names}"
+            raise InputError(fields.path, problem, hint)
     return Camera(lens, *size, fx, fy, cx, cy, padded)
 
 
@@ -104,6 +104,6 @@ def size_of(
         if fields.has(width) or fields.has(height):
             return fields.size(width), fields.size(height)
     if wanted is None:
-        way_out = f"add {names[0][0]} and {names[0][1]}, pixels"
-        raise InputError(fields.path, "does not say how large its images are", way_out)
+        hint = f"add {names[0][0]} and {names[0][1]}, pixels"
+        raise InputError(fields.path, "does not say how large its images are", hint)
     return wanted

@@ -88,5 +88,5 @@ def mount_of(fields: Fields, found: Found, axes: str | None) -> Mount | ImuMount
     try:
         return mount.rpy(name)
     except ValueError as error:
-        way_out = "give flu, frd or one of " + ", ".join(ALL_AXES[:6])
-        raise InputError(fields.path, f"{KEY} '{name[:20]}' is {error}", way_out) from None
+        hint = "give flu, frd or one of " + ", ".join(ALL_AXES[:6])
+        raise InputError(fields.path, f"{KEY} '{name[:20]}' is {error}", hint) from None

@@ -111,6 +111,6 @@ def _known_rig(path: Path, cam: Path, ups_body: Floats, camera: Camera) -> tuple
     if camera.width != camera.height:
         upright.pop("TUM-VI", None)
     if len(upright) != 1 or cam.name != "cam0":
-        way_out = "add T_BS (a sensor.yaml), Kalibr's T_cam_imu, or mount_rpy_deg"
-        raise InputError(path, "does not say how the camera sits on the IMU", way_out)
+        hint = "add T_BS (a sensor.yaml), Kalibr's T_cam_imu, or mount_rpy_deg"
+        raise InputError(path, "does not say how the camera sits on the IMU", hint)
     return next(iter(upright.items()))

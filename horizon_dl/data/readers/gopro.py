@@ -33,7 +33,7 @@ def read(path: Path, given: Given) -> Recording:
         if not given.needs_attitude:
             return film.film_recording(path, NAME, given, None, None)
         problem = "is a GoPro's film: its attitude is inside, its camera is not"
-        way_out = "give --camera FILE (pinhole, fx and fy of half the width for wide, all of it for linear)"
-        raise InputError(path, problem, way_out)
+        hint = "give --camera FILE (pinhole, fx and fy of half the width for wide, all of it for linear)"
+        raise InputError(path, problem, hint)
     log = gopro_track.read(path) if given.attitude is None else read_attitude(given.attitude, given)
     return film.film_recording(path, NAME, given, read_calibration(place, imu_axes=given.imu_axes), log)

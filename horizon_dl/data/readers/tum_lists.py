@@ -93,8 +93,8 @@ def read_associations(path: Path, *, depth: bool) -> Listed:
         except (ValueError, IndexError):
             time_s = math.nan
         if not math.isfinite(time_s):
-            way_out = "lines are 'time rgb/A.png time depth/B.png'"
-            raise InputError(path, f"holds the line {line[:40]!r}", way_out)
+            hint = "lines are 'time rgb/A.png time depth/B.png'"
+            raise InputError(path, f"holds the line {line[:40]!r}", hint)
         pairs.append((time_s, chosen[0]))
     return pairs
 

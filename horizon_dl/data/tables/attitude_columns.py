@@ -117,4 +117,4 @@ def _decided(table: Table, decide: Callable[..., str], *numbers: Any) -> str:
     try:
         return decide(*numbers)
     except DoubtError as doubt:
-        raise InputError(table.path, f"{table.found}; {doubt.looks}", doubt.way_out) from None
+        raise InputError(table.path, f"{table.found}; {doubt.looks}", doubt.hint) from None

@@ -36,9 +36,9 @@ LOG_STEPS = Steps(1 / 2000, 2.0, useless_beyond=True)
 class DoubtError(ValueError):
     """More than one unit is possible: what it looks like, and the way out."""
 
-    def __init__(self, looks: str, way_out: str) -> None:
-        super().__init__(looks, way_out)
-        self.looks, self.way_out = looks, way_out
+    def __init__(self, looks: str, hint: str) -> None:
+        super().__init__(looks, hint)
+        self.looks, self.hint = looks, hint
 
 
 def clock_unit(values: Floats, named: str | None, steps: Steps) -> str:

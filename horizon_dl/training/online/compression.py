@@ -21,7 +21,7 @@ JPEG_QUALITY = 95
 
 
 @dataclass(frozen=True)
-class PackedFrame:
+class CompressedFrame:
     """A training frame of about an eighth to a fifth of its size.
 
     Attributes:
@@ -42,20 +42,20 @@ class PackedFrame:
         return len(self.image) + len(self.valid_mask) + len(self.target) + len(self.elevation)
 
 
-def pack(frame: TrainingFrame, elevation: Map) -> PackedFrame:
+def pack(frame: TrainingFrame, elevation: Map) -> CompressedFrame:
     """Compress a frame, whose target is one of half the size doubled, and its (h // 2, w // 2) elevation."""
     file = io.BytesIO()
     Image.fromarray(frame.image).save(file, "JPEG", quality=JPEG_QUALITY, subsampling=0)
     valid_mask = zlib.compress(np.packbits(frame.valid_mask).tobytes(), level=1)
-    return PackedFrame(file.getvalue(), valid_mask, _pack_target(frame.target), _pack_halves(elevation))
+    return CompressedFrame(file.getvalue(), valid_mask, _pack_target(frame.target), _pack_halves(elevation))
 
 
-def with_target(packed: PackedFrame, target: NDArray[np.float16]) -> PackedFrame:
+def with_target(packed: CompressedFrame, target: NDArray[np.float16]) -> CompressedFrame:
     """The same frame with another (h, w) target."""
     return replace(packed, target=_pack_target(target))
 
 
-def unpack(packed: PackedFrame) -> TrainingFrame:
+def unpack(packed: CompressedFrame) -> TrainingFrame:
     """What was packed, but for what JPEG takes away; about 1 ms at 320x240."""
     image = np.asarray(Image.open(io.BytesIO(packed.image)))
     height, width = image.shape[:2]
@@ -64,7 +64,7 @@ def unpack(packed: PackedFrame) -> TrainingFrame:
     return TrainingFrame(image, doubled(_halves(packed.target, height, width), (height, width)), valid_mask)
 
 
-def unpack_elevation(packed: PackedFrame) -> Map:
+def unpack_elevation(packed: CompressedFrame) -> Map:
     """The (h // 2, w // 2) elevation, rad, to about 1e-3 of itself."""
     width, height = Image.open(io.BytesIO(packed.image)).size
     return _halves(packed.elevation, height, width).astype(np.float32)

@@ -29,8 +29,8 @@ from horizon_dl.training.half_resolution import (
     half_resolution_target,
 )
 from horizon_dl.training.module import horizon_loss
-from horizon_dl.training.online.compression import PackedFrame, unpack, unpack_elevation
-from horizon_dl.training.online.replay_buffer import ReplayMemory
+from horizon_dl.training.online.compression import CompressedFrame, unpack, unpack_elevation
+from horizon_dl.training.online.replay_buffer import ReplayBuffer
 from horizon_dl.training.run_folder import Run
 from horizon_dl.uncertainty.measures import Measures, binary_entropy
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
@@ -77,7 +77,7 @@ class OnlineLearner:
             self._net = build_net(config.model)
             self._dropout_state = torch.get_rng_state()
         self._average = averaged(self._net, config.train.average_decay)
-        self.memory = ReplayMemory(config.online.memory_mb, self._rng)
+        self.memory = ReplayBuffer(config.online.memory_mb, self._rng)
         self._optimiser = torch.optim.AdamW(
             self._net.parameters(), lr=config.online.learning_rate, weight_decay=config.train.weight_decay
         )
@@ -233,7 +233,7 @@ class OnlineLearner:
             self._dropout_state = torch.get_rng_state()
 
 
-def remembered_threshold(net: HorizonFCN, frames: Sequence[PackedFrame], config: Config) -> float:
+def remembered_threshold(net: HorizonFCN, frames: Sequence[CompressedFrame], config: Config) -> float:
     """The paper's threshold, bits: a percentile of a net's entropies on remembered frames."""
     entropies = (
         (binary_entropy(sample_p_above(net, frame.image).mean(axis=0)), frame.valid_mask)

@@ -13,7 +13,13 @@ from PIL import Image
 
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.crops import TrainingFrame
-from horizon_dl.training.online.compression import PackedFrame, pack, unpack, unpack_elevation, with_target
+from horizon_dl.training.online.compression import (
+    CompressedFrame,
+    pack,
+    unpack,
+    unpack_elevation,
+    with_target,
+)
 
 Map = NDArray[np.float32]
 
@@ -31,11 +37,11 @@ class _Kept:
 
     key: float
     number: int
-    packed: PackedFrame
+    packed: CompressedFrame
     made_at: int
 
 
-class ReplayMemory:
+class ReplayBuffer:
     """A random sample of all frames seen so far, compressed, at most `memory_mb` MiB of them.
 
     All of a changing stream is remembered evenly. What does not change (the robot stands still) is remembered
@@ -92,7 +98,7 @@ class ReplayMemory:
         """`count` frames at random, with repetition."""
         return [unpack(self._kept[i].packed) for i in self._rng.integers(len(self._kept), size=count)]
 
-    def sample(self, count: int) -> list[PackedFrame]:
+    def sample(self, count: int) -> list[CompressedFrame]:
         """At most `count` of the frames held, evenly spread over the time since the first."""
         by_time = sorted(self._kept, key=lambda kept: kept.number)
         places = np.linspace(0, len(by_time) - 1, min(count, len(by_time))).astype(int)
@@ -124,8 +130,8 @@ class ReplayMemory:
         values, content = snapshot.values, snapshot.tensors["blobs"].numpy().tobytes()
         ends = np.cumsum([0, *values["lengths"]])
         blobs = [content[start:end] for start, end in pairwise(ends)]
-        parts = len(fields(PackedFrame))
-        packed = [PackedFrame(*blobs[first : first + parts]) for first in range(0, len(blobs), parts)]
+        parts = len(fields(CompressedFrame))
+        packed = [CompressedFrame(*blobs[first : first + parts]) for first in range(0, len(blobs), parts)]
         columns = (values["keys"], values["numbers"], packed, values["made_at"])
         self._kept = [_Kept(*one) for one in zip(*columns, strict=True)]
         self.nbytes = sum(one.nbytes for one in packed)
