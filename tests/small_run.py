@@ -18,7 +18,7 @@ from horizon_dl.export.export import Exported, export_run, trained_camera
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import image_tensor, sample_p_above
 from horizon_dl.models.fcn import enlarge
-from horizon_dl.training.evidence import evidence_card
+from horizon_dl.training.evidence import training_evidence
 from horizon_dl.training.run_folder import Run, save_run
 from horizon_dl.uncertainty.measures import binary_entropy
 
@@ -73,7 +73,7 @@ def small_run() -> Run:
         "train_s": 1.0,
         "threshold": float(np.percentile(entropies, 75)),
         "threshold_rule": "percentile-75",
-        "evidence": evidence_card(net, ((view.image, view.elevation) for view in all_views)),
+        **training_evidence(net, ((view.image, view.elevation) for view in all_views)),
     }
     return Run(net, config, info)
 

@@ -48,6 +48,8 @@ def run(arguments: argparse.Namespace) -> None:
 
     from horizon_dl.config import save_config
     from horizon_dl.evaluation.compare import compare, split_recording
+    from horizon_dl.evidence.self_assessment import said
+    from horizon_dl.methods.registry import NET
     from horizon_dl.output import output_folder
     from horizon_dl.output.names import ResultNames
     from horizon_dl.reporting.comparison import write_comparison
@@ -69,5 +71,8 @@ def run(arguments: argparse.Namespace) -> None:
         save_config(config, folder / "config.yaml")
         write_comparison(folder, f"{recording.name}, {arguments.protocol}", result, log, config)
     print(metrics_table(result.metrics))
+    doubt = said(result.metrics["methods"][NET]["self_assessment"])
+    if doubt is not None:
+        print(f"the net says of itself: {doubt}")
     say_skipped(result.skipped)
     print(f"wrote {arguments.out / 'metrics.json'} and {arguments.out / 'report.html'}")

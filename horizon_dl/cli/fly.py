@@ -91,6 +91,7 @@ def run(arguments: argparse.Namespace) -> None:
 
     from horizon_dl.cli.flight_views import open_view
     from horizon_dl.errors import InputError
+    from horizon_dl.evidence.self_assessment import said
     from horizon_dl.output import write_json
     from horizon_dl.runtime.acceptance import not_airworthy
     from horizon_dl.runtime.flight_loop import FlightLoop
@@ -98,7 +99,7 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.runtime.perception import Perception
     from horizon_dl.runtime.predict import check_camera
     from horizon_dl.runtime.signature import read_verifier
-    from horizon_dl.vehicle.mavlink import open_link
+    from horizon_dl.vehicle.mavlink import WARNING, open_link
 
     if arguments.out is not None and arguments.out.is_dir():
         raise InputError(f"--out {arguments.out}", "is a folder", "name a file, such as flight.json")
@@ -116,6 +117,10 @@ def run(arguments: argparse.Namespace) -> None:
     perception.connected_only = arguments.connected_only
     link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
     flight = FlightLoop(perception, link, settings, time.monotonic)
+    doubt = said(model.current.card.get("self_assessment"))
+    if doubt is not None:
+        print(f"the net says of itself: {doubt}", flush=True)
+        link.send_text(f"Obstacles: net {doubt.partition(':')[0]}"[:50], WARNING)
     view = open_view(arguments, source, flight, model, perception)
     # A service is stopped by SIGTERM: the autopilot has to be told then, too.
     before = signal.signal(signal.SIGTERM, lambda *_: flight.stop())

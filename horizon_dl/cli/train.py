@@ -51,6 +51,7 @@ def run(arguments: argparse.Namespace) -> None:
     stop_if_unfit(recording, config, force=arguments.force)
 
     from horizon_dl.errors import printable
+    from horizon_dl.evidence.self_assessment import said
     from horizon_dl.output import output_folder
     from horizon_dl.training.resumable import KIND, TrainingKeeper
     from horizon_dl.training.run_folder import save_run
@@ -71,6 +72,9 @@ def run(arguments: argparse.Namespace) -> None:
     say_skipped(trained.info["skipped"])
     name = printable(recording.name)
     print(f"trained on {trained.info['frames']} frames of {name} in {trained.info['train_s']:.0f} s")
+    doubt = said(trained.info["self_assessment"])
+    if doubt is not None:
+        print(f"the net says of itself: {doubt}")
     print(f"look at {arguments.out / 'index.html'}")
     print(f"wrote {arguments.out}; next: horizon-dl evaluate {arguments.out} {arguments.data} --out DIR")
 

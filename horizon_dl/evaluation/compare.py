@@ -35,7 +35,7 @@ from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.train import entropy_threshold, evenly, train_net
+from horizon_dl.training.train import entropy_threshold, evenly, evidence_of, train_net
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
 from horizon_dl.workers import SERIAL, Workers
 
@@ -102,13 +102,15 @@ def compare(
         name: [accumulator] for name, accumulator in _baselines(store, split.test, progress, workers).items()
     }
     rule = PaperThreshold(config.threshold.percentile).rule
+    methods = {name: method_metrics(found, rule) for name, found in accumulators.items()}
+    methods[NET]["self_assessment"] = evidence_of(nets[0], store, split.train)["self_assessment"]
     metrics = {
         "schema": SCHEMA,
         "data": recording.name,
         "protocol": protocol,
         "seeds": list(seeds),
         "frames": {"train": len(split.train), "test": len(split.test), "skipped": len(store.skipped)},
-        "methods": {name: method_metrics(found, rule) for name, found in accumulators.items()},
+        "methods": methods,
         "ranging": ranging.compute(),
     }
     return Comparison(metrics, accumulators, store.skipped, nets[0])

@@ -88,6 +88,7 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
         "trained_with": info.get("versions"),
         "weights_sha256": weights_hash(run),
         "evidence": evidence_for(run, camera),
+        "self_assessment": info.get("self_assessment"),
         **_common(config, camera, run.threshold, info.get("threshold_rule")),
     }
 
@@ -120,6 +121,7 @@ def make_forest_card(
 
 def _common(config: Config, camera: Camera, threshold: float, rule: str | None) -> dict[str, Any]:
     return {
+        "schema": 1,
         "limits": LIMITS,
         "camera": asdict(camera),
         "image_size": [camera.width, camera.height],

@@ -45,7 +45,7 @@ def write_check(check: DataCheck, out: Path) -> None:
     """Writes `check.json`, `overlays/*.jpg` and `index.html` into a folder."""
     band_rad = float(np.deg2rad(check.band_deg))
     pictures = [(header, overlay(view, band_rad)) for header, view in check.overlay_views]
-    write_json(out / "check.json", without_nan(check.to_json()))
+    write_json(out / "check.json", without_nan({"schema": 1, **check.to_json()}))
     for number, (header, picture) in enumerate(pictures):
         save_panel(out / "overlays" / f"{number:02d}_{Path(header.name).stem}.jpg", picture)
     write_report(out / "index.html", f"Check of {check.name}", _sections(check, pictures), _subtitle(check))

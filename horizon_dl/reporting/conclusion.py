@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from horizon_dl.evidence.self_assessment import said
 from horizon_dl.reporting.table import METHOD_NAMES
 from horizon_dl.runtime.prediction import DRAWN_SCORE
 
@@ -55,7 +56,13 @@ def conclusion(metrics: Mapping[str, Any]) -> str:
         if rival != learner and theirs is not None:
             rivals.append(_against(own[1] - theirs[1], _IN_WORDS[rival]))
     words = f"The {name} {' and '.join(rivals)} within depression bands." if rivals else ""
-    sentences = [words, _of_baseline(own, metrics), _of_position(own, metrics, name)]
+    doubt = said(metrics["methods"][learner].get("self_assessment"))
+    sentences = [
+        words,
+        _of_baseline(own, metrics),
+        _of_position(own, metrics, name),
+        "" if doubt is None else f"Without any label the net says of itself: {doubt}.",
+    ]
     figures = (
         f"{name}, {DRAWN_SCORE.replace('_', ' ')}: AUC {own[0]:.3f} pooled, {own[1]:.3f} within bands"
         f"{_best_score(metrics, learner, own)}."

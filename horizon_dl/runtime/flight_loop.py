@@ -81,7 +81,7 @@ class FlightLoop:
         self.latencies, self.periods = Latencies(), Latencies()
         self.sent = self.unsent = self.unknown = self.looked_at = self.without_attitude = self.doubted = 0
         self.pictures_seen = self.pictures_skipped = 0
-        self._sighting, self._link, self._settings, self._clock = perception, link, settings, clock
+        self._perception, self._link, self._settings, self._clock = perception, link, settings, clock
         self._newest = _Sighted(-np.inf, None)
         self._height = HeightWatch()
         self._reported_s = -np.inf
@@ -153,7 +153,7 @@ class FlightLoop:
             doubts, height_m = (Reason.HEIGHT,), None
         floor = frame.floor_up_cam if self._settings.recorded_attitude else None
         try:
-            found = self._sighting.look(
+            found = self._perception.look(
                 frame.time_s, frame.image, up_cam, yaw_rad, height_m, floor, doubts=doubts
             )
         except Exception as error:  # onnxruntime raises kinds of its own; flying on blind would be worse
@@ -161,7 +161,7 @@ class FlightLoop:
             self._newest = _Sighted(frame.time_s, None)
             return
         self.looked_at += 1
-        judged = self._sighting.judged
+        judged = self._perception.judged
         self._newest = _Sighted(frame.time_s, found, judged is not None and bool(judged.reasons))
         if judged is not None:
             few = MOST_TAKEN * len(found.outcome)
@@ -186,7 +186,7 @@ class FlightLoop:
         """Figures of the flight so far, ready for JSON."""
         return {
             "messages": {"sent": self.sent, "unsent": self.unsent, "unknown": self.unknown},
-            "evidence": {**self._sighting.judge.summary(), "doubted_messages": self.doubted},
+            "evidence": {**self._perception.judge.summary(), "doubted_messages": self.doubted},
             "latency": self.latencies.summary(),
             "period": self.periods.summary(),
             "pictures": {
@@ -195,7 +195,7 @@ class FlightLoop:
                 "looked_at": self.looked_at,
                 "without_attitude": self.without_attitude,
             },
-            "filter_delay_s": self._sighting.filter.delay_s,
+            "filter_delay_s": self._perception.filter.delay_s,
             "received": dict(self._link.counts),
             "heartbeats": self.autopilot.heartbeats,
             "attitudes_hz": self.autopilot.buffer.rate_hz,

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.errors import InputError
 from horizon_dl.evidence.place import Place, PlaceCalibration
+from horizon_dl.evidence.self_assessment import SelfAssessment
 from horizon_dl.models.dropout import sample_p_above
 from horizon_dl.models.fcn import HorizonFCN
 
@@ -24,17 +25,23 @@ def place_of(info: Mapping[str, Any], where: str | Path) -> Place | None:
         raise InputError(where, str(error), "train again") from None
 
 
-def evidence_card(
+def training_evidence(
     net: HorizonFCN, frames: Iterable[tuple[NDArray[np.uint8], NDArray[np.floating]]]
-) -> dict[str, Any] | None:
-    """The limits of `Place` over some training frames, ready for JSON; None if no horizon is in view.
+) -> dict[str, Any]:
+    """What a net says of some of its training frames, ready for JSON.
 
     Args:
         net: trained.
         frames: image, (h, w, 3) uint8 RGB at the working size, and elevation, (h, w) rad.
+
+    Returns:
+        `evidence`, the limits of `Place` (None if no horizon is in view), and `self_assessment`.
     """
-    calibration = PlaceCalibration()
+    calibration, assessment = PlaceCalibration(), SelfAssessment()
     for image, elevation in frames:
-        calibration.add(image, elevation, sample_p_above(net, image).mean(axis=0))
+        p_above = sample_p_above(net, image).mean(axis=0)
+        calibration.add(image, elevation, p_above)
+        assessment.update(p_above, elevation)
     place = calibration.place()
-    return None if place is None else place.to_card()
+    card = None if place is None else place.to_card()
+    return {"evidence": card, "self_assessment": assessment.compute()}

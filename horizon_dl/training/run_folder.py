@@ -1,7 +1,6 @@
 """Run folders: a trained net with all that is needed to use it again."""
 
 import json
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.output.files import system_error, write_json
 from horizon_dl.output.manifest import Manifest, check_files, file_hash, write_manifest
 from horizon_dl.provenance import machine, versions
+from horizon_dl.schemas.run import RunInfo
 from horizon_dl.training.run_files import CONFIG, FILES, INFO, WEIGHTS, check_run_folder
 
 TRAIN_AGAIN = "train again"
@@ -58,7 +58,7 @@ def save_run(folder: Path, run: Run) -> None:
     except SafetensorError as error:
         raise system_error(error) from None
     save_config(run.config, folder / CONFIG)
-    write_json(folder / INFO, {**run.info, "versions": versions(), "machine": machine()})
+    write_json(folder / INFO, {"schema": 1, **run.info, "versions": versions(), "machine": machine()})
     write_manifest(folder, Manifest("run", {name: file_hash(folder / name) for name in FILES}))
 
 
@@ -84,13 +84,8 @@ def read_info(folder: Path) -> dict[str, Any]:
     """What `run.json` says, with a threshold that can be used.
 
     Raises:
-        InputError: it is no JSON, or lacks the threshold.
+        InputError: it is no JSON, of another version, or lacks a key.
     """
-    try:
-        info = json.loads((folder / INFO).read_text())
-        sound = math.isfinite(float(info["threshold"]))
-    except (OSError, ValueError, KeyError, TypeError, OverflowError, RecursionError):
-        sound = False
-    if not sound or not isinstance(info, dict):
-        raise InputError(folder / INFO, "is damaged", TRAIN_AGAIN) from None
+    RunInfo.read(folder / INFO)
+    info: dict[str, Any] = json.loads((folder / INFO).read_text())
     return info

@@ -26,7 +26,7 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.quiet import quiet_logger
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
-from horizon_dl.training.evidence import EVIDENCE_FRAMES, evidence_card
+from horizon_dl.training.evidence import EVIDENCE_FRAMES, training_evidence
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.half_resolution import half_resolution_frame
 from horizon_dl.training.module import CropStream, HorizonModule
@@ -237,11 +237,15 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "train_s": train_s,
         "threshold": entropy_threshold(net, store, indices),
         "threshold_rule": PaperThreshold(config.threshold.percentile).rule,
-        "evidence": evidence_card(
-            net, ((view.image, view.elevation) for view in store.views(evenly(indices, EVIDENCE_FRAMES)))
-        ),
+        **evidence_of(net, store, indices),
     }
     return Run(net.eval(), config, info)
+
+
+def evidence_of(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> dict[str, Any]:
+    """See `training_evidence`, over at most 100 of the frames."""
+    views = store.views(evenly(indices, EVIDENCE_FRAMES))
+    return training_evidence(net, ((view.image, view.elevation) for view in views))
 
 
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:

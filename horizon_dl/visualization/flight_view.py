@@ -21,7 +21,7 @@ class FlightView:
     """
 
     def __init__(self, model: HotReloadedModel, perception: Perception, sink: Sink) -> None:
-        self._model, self._sighting, self._sink = model, perception, sink
+        self._model, self._perception, self._sink = model, perception, sink
         self.slot: NewestFirst[Look] = NewestFirst(self._take)
 
     def look(self, frame: Frame, found: FreeDistances) -> None:
@@ -36,10 +36,10 @@ class FlightView:
 
     def _take(self, look: Look) -> None:
         frame, outputs, found, threshold = look
-        prediction = of_outputs(frame, outputs, threshold, self._sighting.rays)
+        prediction = of_outputs(frame, outputs, threshold, self._perception.rays)
         floor = frame.floor_normal
         ranges = None
         if floor is not None:
             vehicle = DRONE if frame.floor_up_cam is None else CAR
-            ranges = ranged(found, floor, vehicle, self._sighting.forward_cam)
+            ranges = ranged(found, floor, vehicle, self._perception.forward_cam)
         self._sink.log(frame, prediction, ranges)

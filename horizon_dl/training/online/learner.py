@@ -21,7 +21,7 @@ from horizon_dl.models.net_measures import net_measures
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.crops import Batch, draw_batch
-from horizon_dl.training.evidence import evidence_card
+from horizon_dl.training.evidence import training_evidence
 from horizon_dl.training.half_resolution import (
     doubled,
     half_elevation,
@@ -149,10 +149,10 @@ class OnlineLearner:
         def run() -> Run:
             threshold = remembered_threshold(net, frames, self.config)
             remembered = ((unpack(frame).image, unpack_elevation(frame)) for frame in frames)
-            evidence = evidence_card(
+            evidence = training_evidence(
                 net, ((image, doubled(half, image.shape[:2])) for image, half in remembered)
             )
-            return Run(net, self.config, {**info, "threshold": threshold, "evidence": evidence, **rule})
+            return Run(net, self.config, {**info, "threshold": threshold, **evidence, **rule})
 
         return run
 
