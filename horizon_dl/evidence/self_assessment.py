@@ -2,8 +2,8 @@
 
 Where nearly everything below the horizon is lower than the camera (desks, beds), the net never sees it
 above, and is sure of it as of a floor: the share of pixels below the horizon that it calls "below" nears one,
-and its AUC falls. Over seven sets, one seed each, the share's rank correlation with the AUC within depression bands
-was -.99 (docs/RESEARCH.md).
+and its AUC falls. Over seven sets, one seed each, the share's rank correlation with the AUC within depression
+bands was -.99 (docs/RESEARCH.md).
 """
 
 from typing import Any
