@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 UV     := .uv/bin/uv
 STAMP  := $(VENV)/.installed
 
-.PHONY: demo test lint benchmark clean
+.PHONY: demo test lint coverage docs matrix clean
 .DELETE_ON_ERROR:
 
 # uv is a fast installer from the ordinary package registry; it lives in a folder of its own.
@@ -30,6 +30,20 @@ lint: $(STAMP)
 
 test: lint
 	$(BIN)/pytest -q
+
+# Lines of the rooms that a vehicle depends on, and of the figures.
+coverage: $(STAMP)
+	$(BIN)/pytest -q -m "not slow" --cov=horizon_dl --cov-report=term:skip-covered
+
+docs: $(STAMP)
+	$(BIN)/mkdocs build --strict --site-dir build/site
+
+# The quick tests on every Python that uv finds on this machine.
+matrix: $(UV)
+	for version in 3.11 3.12 3.13; do \
+	  $(UV) python find --no-python-downloads $$version >/dev/null 2>&1 || { echo "no Python $$version here"; continue; }; \
+	  $(UV) run --no-python-downloads --python $$version --isolated --extra train --extra sim --extra dev pytest -q -m "not slow" || exit 1; \
+	done
 
 clean:
 	rm -rf $(VENV) .uv demo
