@@ -40,7 +40,7 @@ def test_threads_are_chosen(capsys):
 
 def test_a_place_that_cannot_be_written_is_named(tmp_path, capsys):
     assert main(["benchmark", str(model_file()), "--out", str(tmp_path / "no" / "times.json")]) == 2
-    assert "existing folder" in capsys.readouterr().err
+    assert "cannot be written" in capsys.readouterr().err
 
 
 def test_jobs_take_turns_in_fives():

@@ -170,11 +170,11 @@ def test_every_convention_is_named_on_the_embedded_flight(
 def test_a_recording_is_read_otherwise(tmp_path: Path, capsys: Any) -> None:
     import make_sets
 
-    rows = [f"images/{i}.png,{0.1 * i},{3.0 * i},-5.0,90.0,1.5" for i in range(8)]
+    rows = [f"images/{i}.png,{0.1 * i},{0.5 * i},-5.0,6.0,1.5" for i in range(8)]
     recording = open_recording(make_sets.images_csv(tmp_path / "set", rows))
     degrees = recording.read_as("deg")
     for index, header in enumerate(degrees.headers):
-        angles = np.radians([3.0 * index, -5.0, 90.0])
+        angles = np.radians([0.5 * index, -5.0, 6.0])
         assert header.up_cam is not None
         np.testing.assert_allclose(
             header.up_cam, up_in_camera(quaternion_from_rpy(*angles), (0, 0, 0)), atol=1e-9

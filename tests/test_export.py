@@ -244,7 +244,7 @@ def test_the_command_writes_file_card_parity_and_sizes(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["nowhere"], "is no run folder"),
+        (["nowhere"], "does not exist"),
         (["RUN", "--size", "90x90"], "another aspect"),
         (["RUN", "--int8"], "--data"),
         (["RUN", "--data", "nowhere"], "does not exist"),

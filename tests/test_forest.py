@@ -19,7 +19,7 @@ def make_scene(seed: int, height: int = 36, width: int = 48) -> View:
     colour = np.where(elevation[..., None] > 0, (60, 90, 200), (60, 160, 60))
     colour[:, width // 3 : width // 2] = (190, 60, 60)
     image = np.clip(colour + rng.normal(0, 8, colour.shape), 0, 255).astype(np.uint8)
-    return View(f"{seed}.png", float(seed), image, elevation)
+    return View(image, elevation)
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +99,7 @@ def test_every_view_gives_the_same_number_of_pixels(monkeypatch, views):
 
 
 def test_one_side_only_is_refused(views):
-    below = [View(v.name, v.time_s, v.image, -np.abs(v.elevation) - 0.1) for v in views]
+    below = [View(v.image, -np.abs(v.elevation) - 0.1) for v in views]
     with pytest.raises(InputError, match="not from both sides of the horizon"):
         HorizonForest.fit(below, seed=0)
     with pytest.raises(InputError, match="not from both sides of the horizon"):

@@ -59,7 +59,7 @@ def test_the_oldest_target_is_made_anew():
     found = [unpack(packed) for packed in memory.sample(3)]
     for number, frame in enumerate(found):
         assert (frame.target == 0.25).all() == (number == 1)
-        assert np.array_equal(frame.counts, smooth_frame(number).counts)
+        assert np.array_equal(frame.valid_mask, smooth_frame(number).valid_mask)
     assert memory.nbytes < before  # a flat target packs better
     assert memory.nbytes == sum(packed.nbytes for packed in memory.sample(3))
     for now in (6, 6, 6):
@@ -82,7 +82,7 @@ def test_packing_keeps_target_mask_and_nearly_the_image():
     frame = smooth_frame(0)
     frame.target[:] *= np.float16(1e-3)  # a sure floor is no certain floor
     found = unpack(pack(frame, ANGLES))
-    assert np.array_equal(found.counts, frame.counts)
+    assert np.array_equal(found.valid_mask, frame.valid_mask)
     assert np.array_equal(found.target, frame.target)
     assert np.abs(found.image.astype(int) - frame.image).mean() < 1.5
     assert found.target.dtype == np.float16
@@ -149,14 +149,14 @@ def test_a_restored_memory_goes_on_the_same_way(tmp_path):
     whole_rng = np.random.default_rng(0)
     whole = ReplayBuffer(0.03, whole_rng)
     for frame in frames[:25]:
-        whole.update(frame, ANGLES, 0)
+        whole.add(frame, ANGLES, 0)
     write_checkpoint(tmp_path / "c", Snapshot.join({"m": whole.snapshot()}))
     rng = np.random.default_rng(99)
     rng.bit_generator.state = whole_rng.bit_generator.state
     restored = ReplayBuffer(0.03, rng)
     restored.restore(read_checkpoint(tmp_path / "c").part("m"))
     for frame in frames[25:]:
-        whole.update(frame, ANGLES, 0)
+        whole.add(frame, ANGLES, 0)
         restored.add(frame, ANGLES, 0)
     assert whole.numbers() == restored.numbers()
     assert whole.nbytes == restored.nbytes

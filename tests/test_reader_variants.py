@@ -365,7 +365,7 @@ def test_given_attitude_and_camera_count_for_more_than_the_folder(tmp_path: Path
     given = Given(camera=camera, attitude=str(log), time_offset_s=10.0)
     recording = open_recording(folder, given=given)
     assert recording.calibrated.fx == 31.0
-    with pytest.raises(InputError, match="they never meet"):
+    with pytest.raises(InputError, match="never meet"):
         open_recording(folder, given=Given(attitude=str(log)))
     constant = open_recording(folder, given=Given(attitude="constant:10,0"))
     assert roll_of(constant) == pytest.approx([math.radians(10)] * 2)

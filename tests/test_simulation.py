@@ -58,7 +58,7 @@ def test_embedded_set_is_small_and_complete() -> None:
     recording = open_recording(embedded_set())
     assert recording.length == FRAMES
     assert all(entry.labelled for entry in recording.headers)
-    with_depth = [index for index, entry in enumerate(recording.headers) if entry.range_path is not None]
+    with_depth = [index for index, files in enumerate(recording.load.files) if files.ranges is not None]
     assert with_depth == list(range(5, FRAMES, DEPTH_EVERY))
 
 

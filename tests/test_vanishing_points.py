@@ -49,7 +49,7 @@ PLUMB: list[tuple[str, str, Line, float]] = [
 def plane_normal(data_dir: Path, name: str, stem: str, line: Line) -> tuple[np.ndarray, np.ndarray]:
     """Unit normal of the plane through the camera and a line of the image, and up, in the optical frame."""
     recording = open_recording(data_dir / name)
-    entry = next(e for e in recording.headers if e.image_path.stem.endswith(stem))
+    entry = next(e for e in recording.headers if Path(e.name).stem.endswith(stem))
     assert entry.up_cam is not None
     rays, valid = unproject(recording.camera, line)
     assert valid.all()

@@ -31,19 +31,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> None:
     """Predict frame by frame and write as it goes."""
-    from horizon_dl.data.open_source import open_source
     from horizon_dl.errors import InputError
-    from horizon_dl.methods.open_predictor import open_predictor
-    from horizon_dl.output import output_folder, write_bytes
     from horizon_dl.output.files import check_file
-    from horizon_dl.reporting.outputs import NO_FILM, can_film
-    from horizon_dl.reporting.run_page import FILM
     from horizon_dl.training.run_files import check_run_folder
 
     if arguments.video is not None:
         check_file(arguments.video, arguments.overwrite, "--video")
     if not is_model_file(arguments.model):
         check_run_folder(arguments.model)
+
+    from horizon_dl.data.open_source import open_source
+    from horizon_dl.methods.open_predictor import open_predictor
+    from horizon_dl.output import output_folder, write_bytes
+    from horizon_dl.reporting.outputs import NO_FILM, can_film
+    from horizon_dl.reporting.run_page import FILM
+
     wanted = given(arguments, needs_attitude=False)
     source = open_source(arguments.source, arguments.format, wanted)
     predictor = open_predictor(arguments.model)

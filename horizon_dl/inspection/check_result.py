@@ -51,8 +51,12 @@ class DataCheck:
 
     def to_json(self) -> dict[str, Any]:
         """Everything but the pictures, as what `json.dumps` takes."""
-        return asdict(replace(self, overlay_views=()), dict_factory=_without_views)
+        return asdict(replace(self, overlay_views=()), dict_factory=_for_json)
 
 
-def _without_views(items: list[tuple[str, Any]]) -> dict[str, Any]:
-    return {name: value for name, value in items if name != "overlay_views"}
+KEYS = {"hint": "way_out"}
+"""A finding's hint has had this key in `check.json` from the beginning; keys are not renamed."""
+
+
+def _for_json(items: list[tuple[str, Any]]) -> dict[str, Any]:
+    return {KEYS.get(name, name): value for name, value in items if name != "overlay_views"}

@@ -4,9 +4,18 @@ from typing import Any, ClassVar
 
 from pydantic import Field
 
-from horizon_dl.inspection.finding import Finding, Level
+from horizon_dl.inspection.finding import Level
 from horizon_dl.inspection.timing_and_attitude import Timing
-from horizon_dl.schemas.base import Versioned
+from horizon_dl.schemas.base import Part, Versioned
+
+
+class FindingFields(Part):
+    """One thing that was found; `way_out` says what to do about it."""
+
+    level: Level
+    text: str
+    way_out: str
+    reason: str
 
 
 class Check(Versioned):
@@ -23,6 +32,6 @@ class Check(Versioned):
     timing: Timing
     attitudes: dict[str, Any] | None
     labels: dict[str, Any] | None
-    findings: tuple[Finding, ...]
+    findings: tuple[FindingFields, ...]
     level: Level
     verdict: str
