@@ -17,11 +17,11 @@ import numpy as np
 
 from horizon_dl.config import load_config
 from horizon_dl.data.from_images import MOST_DOUBT_RAD, up_from_picture
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.geometry.horizon_line import up_from_map
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.geometry.tilts import UpEstimate
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.predict import predict
 from horizon_dl.training.train import train_run
 

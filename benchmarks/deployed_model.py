@@ -32,7 +32,6 @@ from sampled_net import SAMPLES, THRESHOLD, Batch, Passes, Summary, naive_torch
 from torch import Tensor, nn
 
 from horizon_dl.config import Config
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import View, make_view
 from horizon_dl.export.encode import Encode
 from horizon_dl.export.graph import WholeWay
@@ -45,6 +44,7 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.benchmark import quartiles
 from horizon_dl.runtime.model import new_session
 from horizon_dl.simulation.embedded import embedded_set

@@ -17,13 +17,13 @@ from typing import Any
 from tqdm import tqdm
 
 from horizon_dl.config import Config, load_config
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.metrics.accumulators import MethodAccumulator, scored_pixels
 from horizon_dl.metrics.roc import RocResult
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.online.learner import OnlineLearner
 

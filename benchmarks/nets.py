@@ -10,7 +10,6 @@ from places import AS_SHIPPED, place_dropout
 from safetensors.torch import load_file, save_file
 
 from horizon_dl.config import Config, ModelConfig, load_config
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
@@ -20,6 +19,7 @@ from horizon_dl.methods.learners import Method
 from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.run_folder import weights

@@ -22,12 +22,12 @@ import torch
 
 from horizon_dl.config import load_config
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.geometry.resize import area_resize
 from horizon_dl.online.guard import StreamGuard
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.training.crops import draw_batch
 from horizon_dl.training.half_resolution import half_elevation, half_resolution_frame

@@ -28,7 +28,6 @@ from safety_pictures import PICTURES, Scene, Spoiled
 
 from horizon_dl.config import load_config
 from horizon_dl.data.frame import Frame, Truth
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.evidence.judge import Judge
 from horizon_dl.export.export import export_run
@@ -39,6 +38,7 @@ from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome, free_distances
 from horizon_dl.ranging.temporal_filter import SectorFilter
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.runtime.perception import Perception
 from horizon_dl.training.run_folder import save_run

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from horizon_dl.config import Config, load_config
     from horizon_dl.data.frame import Frame
     from horizon_dl.data.given import Given
-    from horizon_dl.data.open_source import open_source
     from horizon_dl.data.source import FrameSource, Recording
     from horizon_dl.errors import InputError
     from horizon_dl.evaluation.compare import compare
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from horizon_dl.geometry.camera import Camera
     from horizon_dl.runtime.flight_loop import FlightLoop
     from horizon_dl.runtime.model import ObstacleModel
+    from horizon_dl.sources.open_source import open_source
     from horizon_dl.training.online.learner import OnlineLearner
     from horizon_dl.training.train import train_run as train
 
@@ -60,7 +60,7 @@ _PLACES = {
     "compare": "evaluation.compare:compare",
     "export": "export.export:export_run",
     "load_config": "config:load_config",
-    "open_source": "data.open_source:open_source",
+    "open_source": "sources.open_source:open_source",
     "train": "training.train:train_run",
 }
 

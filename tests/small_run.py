@@ -12,12 +12,12 @@ from toy import write_toy_set
 
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.export.export import Exported, export_run, trained_camera
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import image_tensor, sample_p_above
 from horizon_dl.models.fcn import enlarge
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.evidence import training_evidence
 from horizon_dl.training.run_folder import Run, save_run
 from horizon_dl.uncertainty.measures import binary_entropy

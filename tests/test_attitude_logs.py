@@ -10,12 +10,12 @@ import pytest
 from pyulog.ulog2csv import convert_ulog2csv
 
 from horizon_dl.data.attitude_log import AttitudeLog, angles_of_ups
-from horizon_dl.data.attitude_logs import gopro_track, klv
-from horizon_dl.data.attitude_logs.inertial import log_of_inertial
-from horizon_dl.data.attitude_logs.phone_axes import frd_from_phone
-from horizon_dl.data.attitude_logs.registry import read_attitude_log
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation
+from horizon_dl.logs.attitude_logs import gopro_track, klv
+from horizon_dl.logs.attitude_logs.inertial import log_of_inertial
+from horizon_dl.logs.attitude_logs.phone_axes import frd_from_phone
+from horizon_dl.logs.attitude_logs.registry import read_attitude_log
 
 LOGS = Path(os.environ.get("HORIZON_DL_LOGS", "none"))
 needs_logs = pytest.mark.skipif(not LOGS.is_dir(), reason="needs HORIZON_DL_LOGS")

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from horizon_dl.data.calibration.calibration import read_calibration
+from horizon_dl.calibration.calibration import read_calibration
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
 

@@ -10,15 +10,15 @@ import cv2
 import numpy as np
 import pytest
 
+from horizon_dl.calibration.calibration import read_calibration
+from horizon_dl.calibration.mount import AxesNotStatedError
 from horizon_dl.cli import main
-from horizon_dl.data.calibration.calibration import read_calibration
-from horizon_dl.data.calibration.mount import AxesNotStatedError
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays, project
+from horizon_dl.readers.registry import open_recording
 
 FISHEYE = (-0.00927, 0.04619, -0.0434, 0.00802)
 T265 = Camera("kannala_brandt", 212, 200, 71.54, 71.5, 105.88, 100.44, FISHEYE)

@@ -10,17 +10,17 @@ import pytest
 
 from horizon_dl.cli import main
 from horizon_dl.data.attitude_log import AttitudeLog, log_of_angles
-from horizon_dl.data.attitude_logs.registry import read_attitude_log
-from horizon_dl.data.clock.clock_fit import fit_clock
-from horizon_dl.data.clock.find_clock import find_clock
-from horizon_dl.data.clock.seen_turns import seen_turn, small_camera, small_grey
-from horizon_dl.data.clock.windows import Window
 from horizon_dl.data.given import Given
-from horizon_dl.data.open_source import open_source
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.logs.attitude_logs.registry import read_attitude_log
+from horizon_dl.logs.clock.clock_fit import fit_clock
+from horizon_dl.logs.clock.find_clock import find_clock
+from horizon_dl.logs.clock.seen_turns import seen_turn, small_camera, small_grey
+from horizon_dl.logs.clock.windows import Window
+from horizon_dl.sources.open_source import open_source
 
 CASES, DATA, LOGS = (Path(os.environ.get(f"HORIZON_DL_{name}", "none")) for name in ("CASES", "DATA", "LOGS"))
 needs_cases = pytest.mark.skipif(not CASES.is_dir(), reason="needs HORIZON_DL_CASES")

@@ -11,7 +11,6 @@ from scipy.spatial.transform import Rotation
 
 from horizon_dl.cli import main
 from horizon_dl.data.convention import Convention, parse_convention, reading_with
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
@@ -20,6 +19,7 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.inspection.conventions import fit_conventions
 from horizon_dl.inspection.image_rotation import rotation_between
 from horizon_dl.inspection.turns import Turns, measure_turns
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 
 Floats = NDArray[np.float64]

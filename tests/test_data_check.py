@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from horizon_dl.data.frame import FrameHeader
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.data_check import check_recording, sample_indices
 from horizon_dl.inspection.finding import Finding, verdict_of
 from horizon_dl.inspection.findings import percent
 from horizon_dl.inspection.timing_and_attitude import attitudes, camera_angles_deg, timing
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.reporting.check import check_lines, write_check
 
 WIDTH, HEIGHT, FOCAL = 96, 72, 80.0

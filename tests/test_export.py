@@ -24,7 +24,6 @@ from small_run import (
 from torch.nn import functional as F  # noqa: N812
 
 from horizon_dl.cli import main
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.export.card import INPUTS, OUTPUTS
 from horizon_dl.export.export import export_run, parity_frames, trained_camera
@@ -39,6 +38,7 @@ from horizon_dl.geometry.resize import area_resize
 from horizon_dl.models.build import build_net
 from horizon_dl.models.dropout import image_tensor, sample_p_above, single_pass_p_above
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.uncertainty.measures import binary_entropy
 

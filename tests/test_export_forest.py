@@ -12,7 +12,6 @@ from small_run import REAL_SETS, SETTINGS, small_run_folder, toy_frames, toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.config import Config
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.export.card import make_forest_card
 from horizon_dl.export.export import exported, parity_frames
@@ -21,6 +20,7 @@ from horizon_dl.export.forest_features import ForestFeatures
 from horizon_dl.export.forest_trees import TreeVotes, float32_below
 from horizon_dl.models.features import pixel_features
 from horizon_dl.models.forest import HorizonForest
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.uncertainty.measures import measures
 

@@ -14,11 +14,11 @@ from urllib.parse import urlparse
 
 import pytest
 
-from horizon_dl.data.download import download as download_module
-from horizon_dl.data.download import public_sets as registry
-from horizon_dl.data.download.fetch import SUMS, fetch
-from horizon_dl.data.download.public_sets import Archive, PublicSet, list_sets
-from horizon_dl.data.download.unpack import unpack
+from horizon_dl.download import download as download_module
+from horizon_dl.download import public_sets as registry
+from horizon_dl.download.fetch import SUMS, fetch
+from horizon_dl.download.public_sets import Archive, PublicSet, list_sets
+from horizon_dl.download.unpack import unpack
 from horizon_dl.errors import InputError
 
 

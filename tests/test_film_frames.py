@@ -10,8 +10,8 @@ import pytest
 
 from horizon_dl.data.film_frames import FilmLoader, time_stamps
 from horizon_dl.data.given import Given
-from horizon_dl.data.open_source import open_source
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.sources.open_source import open_source
 
 UNEVEN = [0, 33, 66, 100, 250, 260, 400, 433, 466, 500, *range(600, 2600, 40)]
 PLAIN = Given(needs_attitude=False)

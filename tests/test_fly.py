@@ -21,7 +21,6 @@ os.environ["MAVLINK20"] = "1"
 from flat_model import ANY_PLACE
 from pymavlink.dialects.v20 import common
 
-from horizon_dl.data.capture.newest import NewestFrame
 from horizon_dl.data.frame import Frame
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
@@ -32,6 +31,7 @@ from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
 from horizon_dl.runtime.latency import Latencies
 from horizon_dl.runtime.perception import Perception, forward_in_camera, model_rays
+from horizon_dl.sources.newest import NewestFrame
 from horizon_dl.vehicle.mavlink import Link, read_signing_key
 from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
 from horizon_dl.vehicle.telemetry import Autopilot, height_of

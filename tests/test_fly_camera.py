@@ -17,21 +17,21 @@ import pytest
 from flat_model import FlatModel
 from pymavlink.dialects.v20 import common
 
+from horizon_dl.calibration.calibration import Calibration, read_calibration
 from horizon_dl.cli import fly
 from horizon_dl.data.attitude_log import ConstantAttitude
-from horizon_dl.data.calibration.calibration import Calibration, read_calibration
-from horizon_dl.data.capture import camera as camera_module
-from horizon_dl.data.capture.camera import CameraSource
-from horizon_dl.data.capture.replay import replay
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.ranging.free_distance import Outcome
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.runtime.perception import Perception
+from horizon_dl.sources import camera as camera_module
+from horizon_dl.sources.camera import CameraSource
+from horizon_dl.sources.replay import replay
 from horizon_dl.vehicle.mavlink import Link
 from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
 

@@ -19,9 +19,9 @@ import pytest
 from flat_model import FlatModel
 
 from horizon_dl.cli import fly
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
 
 pytestmark = pytest.mark.usefixtures("trusting")
@@ -157,7 +157,7 @@ def test_a_file_that_is_no_video_is_one_line(flight: Path, model: None, tmp_path
 
 
 def test_replay_keeps_the_recorded_times(flight: Path) -> None:
-    from horizon_dl.data.capture.replay import replay
+    from horizon_dl.sources.replay import replay
 
     now = [5.0]
 
@@ -171,7 +171,7 @@ def test_replay_keeps_the_recorded_times(flight: Path) -> None:
 
 def test_what_flies_needs_no_torch() -> None:
     code = (
-        "import sys, horizon_dl.runtime.flight_loop, horizon_dl.data.capture.camera, "
+        "import sys, horizon_dl.runtime.flight_loop, horizon_dl.sources.camera, "
         "horizon_dl.runtime.perception, horizon_dl.vehicle.mavlink, horizon_dl.cli.fly\n"
         "bad = {'torch', 'kornia', 'skimage', 'sklearn', 'scipy', 'matplotlib', 'pymavlink', 'cv2'}\n"
         "sys.exit(str(bad & set(sys.modules)) if bad & set(sys.modules) else 0)"

@@ -9,7 +9,6 @@ from test_mount import scene
 
 from horizon_dl.data.from_images import up_from_picture, with_attitude_from_images
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import up_in_camera
 from horizon_dl.geometry.camera import Camera
@@ -18,6 +17,7 @@ from horizon_dl.geometry.lines import LinePlanes
 from horizon_dl.geometry.manhattan import up_from_edges
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.geometry.tilts import roll_pitch_of, up_of
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 
 CAMERA = Camera("pinhole", 64, 48, 50.0, 50.0, 31.5, 23.5)

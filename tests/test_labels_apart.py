@@ -6,7 +6,7 @@ import make_sets
 import numpy as np
 from PIL import Image
 
-from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.readers.registry import open_recording
 
 
 def save_label(path: Path, value: int) -> None:

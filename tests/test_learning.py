@@ -8,9 +8,9 @@ from toy import write_toy_set
 
 from horizon_dl.config import load_config
 from horizon_dl.data.image_folder import FrameFiles
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.models.dropout import single_pass_p_above
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import TrainingFrame, draw_batch
 from horizon_dl.training.frame_store import FramePool, FrameStore

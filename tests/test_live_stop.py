@@ -9,11 +9,11 @@ import cv2
 import pytest
 from test_fly import Line
 
-from horizon_dl.data.calibration.calibration import Calibration
-from horizon_dl.data.capture.camera import CameraSource
-from horizon_dl.data.capture.with_autopilot import WithAutopilot
+from horizon_dl.calibration.calibration import Calibration
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.online.real_time import run_in_real_time
+from horizon_dl.sources.camera import CameraSource
+from horizon_dl.sources.with_autopilot import WithAutopilot
 from horizon_dl.vehicle.mavlink import Link
 
 CAMERA = Camera("pinhole", 32, 24, 30.0, 30.0, 15.5, 11.5)
@@ -40,7 +40,7 @@ class Dead:
 
 def test_a_learner_at_a_dead_camera_waits_for_it_and_ends_when_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cv2, "VideoCapture", Dead)
-    monkeypatch.setattr("horizon_dl.data.capture.camera.REOPEN_S", 60.0)
+    monkeypatch.setattr("horizon_dl.sources.camera.REOPEN_S", 60.0)
     closed = threading.Event()
     line = Line()
     monkeypatch.setattr(line, "close", closed.set)

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.given import NOTHING_GIVEN, Given
-from horizon_dl.data.open_source import open_source
-from horizon_dl.data.readers.mars import exposure_starts
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, rotation_from_quaternion
 from horizon_dl.inspection.timing_and_attitude import camera_angles_deg, known_ups
+from horizon_dl.readers.mars import exposure_starts
+from horizon_dl.sources.open_source import open_source
 
 LOGS, DATA = Path(os.environ.get("HORIZON_DL_LOGS", "none")), Path(os.environ.get("HORIZON_DL_DATA", "none"))
 needs_logs = pytest.mark.skipif(not LOGS.is_dir(), reason="needs HORIZON_DL_LOGS")

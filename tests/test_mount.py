@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from horizon_dl.calibration.camera_file import camera_file
 from horizon_dl.cli import main
-from horizon_dl.data.calibration.camera_file import camera_file
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.lines import LinePlanes, line_planes
 from horizon_dl.inspection.mount import corrected_up, fit_mount
 from horizon_dl.inspection.mount_check import check_mount, is_sure
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 
 Floats = NDArray[np.float64]

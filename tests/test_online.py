@@ -15,11 +15,11 @@ from tiny_online import assert_same_run, frame_lines, tiny_config, tiny_options,
 from toy import write_toy_set
 
 from horizon_dl.cli import main
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.compare import compare
 from horizon_dl.online.run import OnlineRun
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.training.online import learner as online_module

@@ -20,19 +20,19 @@ from small_run import small_export, small_run, toy_frames, toy_set
 from tiny_online import frame_lines, tiny_options, tiny_run
 from toy import CAMERA, write_toy_set
 
+from horizon_dl.calibration.calibration import read_calibration
 from horizon_dl.cli import fly, main
-from horizon_dl.data.calibration.calibration import read_calibration
-from horizon_dl.data.capture.camera import CameraSource
-from horizon_dl.data.capture.with_autopilot import WithAutopilot
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.export.export import export_run, trained_camera
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.online.real_time import LEFT_OUT, PacedFrames, RealTime, run_in_real_time
 from horizon_dl.output import write_bytes
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.hot_reload import HotReloadedModel
+from horizon_dl.sources.camera import CameraSource
+from horizon_dl.sources.with_autopilot import WithAutopilot
 from horizon_dl.training.run_folder import Run
 from horizon_dl.vehicle.mavlink import open_link
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from horizon_dl.config import Config
-from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.frame_store import FrameStore

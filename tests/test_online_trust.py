@@ -15,7 +15,6 @@ from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.data.frame import Frame
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError
 from horizon_dl.evidence.exposure import exposure_problem
 from horizon_dl.evidence.motion import contradicts, tilt_between, turn_rad, turned_sketch
@@ -23,6 +22,7 @@ from horizon_dl.evidence.sketch import difference, same_picture, sketch_of
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.online.guard import Distrust, StreamGuard
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.checkpoint import Snapshot
 
 CAMERA = Camera("pinhole", 96, 72, 80.0, 80.0, 47.5, 35.5)

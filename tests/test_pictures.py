@@ -12,7 +12,7 @@ from PIL import Image
 from horizon_dl.data.bit_depth import used_bits
 from horizon_dl.data.images import load_rgb
 from horizon_dl.data.orientation import TAG, upright
-from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.readers.registry import open_recording
 
 # Blocks of 8 pixels, so that JPEG keeps them apart.
 BLOCKS = np.random.default_rng(0).permutation(np.arange(12) * 20).reshape(3, 4).astype(np.uint8)

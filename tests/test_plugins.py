@@ -14,8 +14,8 @@ from PIL import Image
 
 from horizon_dl.cli import main
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.registry import open_recording, recognise
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.readers.registry import open_recording, recognise
 
 DOCS = Path(__file__).parents[1] / "docs" / "READERS.md"
 CAMERA = "model: pinhole\nwidth: 32\nheight: 24\nfx: 30\nfy: 30\ncx: 15.5\ncy: 11.5\n"

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from tiny_online import tiny_config, tiny_run
 
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.evaluation.compare import compare
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 
 

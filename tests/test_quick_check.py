@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 
 from horizon_dl.cli import main
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.inspection.quick_check import quick_check
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 
 BAND_RAD = 0.035

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from horizon_dl.data.frame import Frame, RangeImage
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings
 from horizon_dl.geometry.rays import camera_rays
@@ -24,6 +23,7 @@ from horizon_dl.metrics.range_truth import (
 from horizon_dl.metrics.ranging import RangingAccumulator
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.readers.registry import open_recording
 
 CAMERA = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
 UP = np.array([0.0, -math.cos(0.2), -math.sin(0.2)])  # the camera looks 0.2 rad down

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from horizon_dl.cli import main
-from horizon_dl.data.attitude_logs.csv_table import read as read_attitude_csv
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
+from horizon_dl.logs.attitude_logs.csv_table import read as read_attitude_csv
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 
 RIGHT = {  # case: frames, how many degrees its attitudes may be off, how many levels its pictures

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.beside import files_beside
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import rotation_from_rpy
+from horizon_dl.readers.beside import files_beside
+from horizon_dl.readers.registry import open_recording
 
 LEVEL = [0.0, -1.0, 0.0]
 DRIVE = "2011_09_26_drive_0001_sync"

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.image_folder import FrameFiles
-from horizon_dl.data.readers.kitti_times import parse_time
-from horizon_dl.data.readers.registry import FORMATS, open_recording
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
+from horizon_dl.readers.kitti_times import parse_time
+from horizon_dl.readers.registry import FORMATS, open_recording
 
 LEVEL = [0.0, -1.0, 0.0]
 MOUNT = (0.0, 0.0, 0.0)
@@ -157,7 +157,7 @@ def test_format_can_be_named(tmp_path: Path) -> None:
 
 def test_opening_a_set_imports_nothing_heavy() -> None:
     code = (
-        "import sys, horizon_dl.data.readers.registry, horizon_dl.data.images, horizon_dl.geometry.camera\n"
+        "import sys, horizon_dl.readers.registry, horizon_dl.data.images, horizon_dl.geometry.camera\n"
         "print([m for m in ('torch', 'kornia', 'scipy', 'skimage', 'sklearn') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

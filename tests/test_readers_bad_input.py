@@ -8,8 +8,8 @@ from pathlib import Path
 import make_sets
 import pytest
 
-from horizon_dl.data.readers.registry import FORMATS, open_recording
 from horizon_dl.errors import InputError
+from horizon_dl.readers.registry import FORMATS, open_recording
 
 FOLDERS = ("images_csv", "kitti", "paparazzi", "tum", "euroc")
 

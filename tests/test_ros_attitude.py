@@ -9,9 +9,9 @@ from make_bags import OPTICAL_IN_FLU, Maker, Rows, attitude_at, flight
 from test_ros_bag import angle_deg
 
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy
+from horizon_dl.readers.registry import open_recording
 
 pytest.importorskip("rosbags")
 

@@ -13,8 +13,8 @@ from make_bags import KINDS, Maker, flight
 
 from horizon_dl.cli import main
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.registry import open_recording, recognise
 from horizon_dl.errors import InputError
+from horizon_dl.readers.registry import open_recording, recognise
 
 pytest.importorskip("rosbags")
 

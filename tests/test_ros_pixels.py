@@ -9,9 +9,9 @@ import pytest
 from make_bags import Maker, flight
 from PIL import Image
 
-from horizon_dl.data.bags.pixels import bits_of, picture
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.logs.bags.pixels import bits_of, picture
+from horizon_dl.readers.registry import open_recording
 
 RGB = np.random.default_rng(3).integers(0, 256, (6, 8, 3)).astype(np.uint8)
 

@@ -10,11 +10,11 @@ import pytest
 from PIL import Image
 from small_run import REAL_SETS, fresh_run, model_file, toy_frames
 
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.view import make_view
 from horizon_dl.export.export import export_run, parity_frames
 from horizon_dl.export.parity import TOLERANCE, obstacle_differences
 from horizon_dl.models.net_measures import net_measures
+from horizon_dl.readers.registry import open_recording
 
 EXPORTS = Path(__file__).parent.parent / "exports"
 

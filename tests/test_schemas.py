@@ -7,9 +7,9 @@ import pytest
 from small_run import small_export, small_run, toy_set
 from tiny_online import tiny_run
 
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
 from horizon_dl.inspection.data_check import check_recording
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.schemas.__main__ import FILES, schema_texts
 from horizon_dl.schemas.card import Card
 from horizon_dl.schemas.check import Check

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.frame import Frame, RangeImage
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.metrics.accumulators import scored_pixels
 from horizon_dl.metrics.obstacle_height import CROSSING, LOW, UNKNOWN, by_height, obstacle_kinds
+from horizon_dl.readers.registry import open_recording
 
 HEIGHT, WIDTH = 20, 640
 ELEVATION = np.broadcast_to(np.linspace(0.19, -0.19, HEIGHT, dtype=np.float32)[:, None], (HEIGHT, WIDTH))

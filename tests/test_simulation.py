@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 
 from horizon_dl.data.frame import Truth
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation import rendering
 from horizon_dl.simulation import simulate as simulate_module
 from horizon_dl.simulation.embedded import DEPTH_EVERY, FRAMES, SEED, embedded_set

@@ -10,15 +10,15 @@ from hypothesis import given as for_all
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from horizon_dl.data.attitude_logs.csv_table import read as read_attitude_csv
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.tables.columns import KEYS, find_columns, match
 from horizon_dl.data.tables.iso_time import seconds_of_dates
 from horizon_dl.data.tables.table import number, read_table
 from horizon_dl.data.tables.units import CAMERA_STEPS, LOG_STEPS, DoubtError, Steps, angle_unit, clock_unit
 from horizon_dl.errors import InputError
+from horizon_dl.logs.attitude_logs.csv_table import read as read_attitude_csv
+from horizon_dl.readers.registry import open_recording
 
 OWN = ("image", "time_s", "roll_rad", "pitch_rad", "yaw_rad", "height_m")
 TURNS = [(0.1, 0.05, 1.0), (-0.2, 0.1, -2.0), (0.0, -0.15, 3.0)]

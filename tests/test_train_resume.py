@@ -13,8 +13,8 @@ from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.config import load_config
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.errors import InputError
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.resumable import CHECKPOINT, TrainingKeeper, TrainingStopped
 from horizon_dl.training.train import train_run
 

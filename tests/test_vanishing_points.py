@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.geometry.rays import unproject
+from horizon_dl.readers.registry import open_recording
 
 Line = tuple[tuple[float, float], tuple[float, float]]
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from safetensors.torch import load_file
 
 from horizon_dl.config import Config, load_config
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.online.run import OnlineRun
 from horizon_dl.online.run_directory import CHECKPOINT
+from horizon_dl.readers.registry import open_recording
 
 TINY = {
     "model.channels": "4",

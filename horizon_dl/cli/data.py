@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _list(_: argparse.Namespace) -> None:
-    from horizon_dl.data.download.public_sets import list_sets
+    from horizon_dl.download.public_sets import list_sets
 
     for entry in list_sets():
         size = f", {entry.megabytes} MB" if entry.megabytes else ""
@@ -42,7 +42,7 @@ def _list(_: argparse.Namespace) -> None:
 
 
 def _fetch(arguments: argparse.Namespace) -> None:
-    from horizon_dl.data.download.fetch import fetch
+    from horizon_dl.download.fetch import fetch
 
     folder = fetch(arguments.name, arguments.out or Path(arguments.name))
     print(f"wrote {folder}; next: horizon-dl check-data {folder}")

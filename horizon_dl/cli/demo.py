@@ -33,11 +33,11 @@ def run(arguments: argparse.Namespace) -> None:
     arguments.overrides.insert(0, FOREST_PIXELS)
     config = resolve_config(arguments)
 
-    from horizon_dl.data.readers.registry import open_recording
     from horizon_dl.evaluation.compare import compare, split_recording
     from horizon_dl.export.smoke_test import export_and_try
     from horizon_dl.output import output_folder
     from horizon_dl.output.names import ResultNames
+    from horizon_dl.readers.registry import open_recording
     from horizon_dl.reporting.comparison import write_comparison
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table

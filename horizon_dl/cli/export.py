@@ -58,10 +58,10 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.training.run_files import check_run_folder
 
     check_run_folder(arguments.run_folder)
-    from horizon_dl.data.readers.registry import open_recording
     from horizon_dl.errors import InputError
     from horizon_dl.export.export import export_run, parity_frames, trained_camera
     from horizon_dl.output import output_folder
+    from horizon_dl.readers.registry import open_recording
     from horizon_dl.runtime.predict import same_camera
     from horizon_dl.training.run_folder import load_run
 

@@ -146,7 +146,7 @@ def run(arguments: argparse.Namespace) -> None:
 def _source(arguments: argparse.Namespace) -> "FrameSource":
     from dataclasses import replace
 
-    from horizon_dl.data.open_source import open_source
+    from horizon_dl.sources.open_source import open_source
 
     wanted = given(arguments, needs_attitude=False)
     if arguments.attitude in (AUTOPILOT, RECORDED):
@@ -227,8 +227,8 @@ def _settings(arguments: argparse.Namespace, source: "FrameSource") -> "FlightSe
 def _frames(arguments: argparse.Namespace, source: "FrameSource") -> "Iterator[Frame | FrameError]":
     import time
 
-    from horizon_dl.data.capture.replay import replay
     from horizon_dl.data.source import Recording
+    from horizon_dl.sources.replay import replay
 
     if isinstance(source, Recording):
         return replay(source, time.monotonic, speed=arguments.speed, loop=arguments.loop)

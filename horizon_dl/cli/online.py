@@ -109,10 +109,10 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _source(arguments: argparse.Namespace) -> "FrameSource":
-    from horizon_dl.data.capture.camera import CameraSource
-    from horizon_dl.data.capture.with_autopilot import WithAutopilot
-    from horizon_dl.data.open_source import open_source
     from horizon_dl.errors import InputError
+    from horizon_dl.sources.camera import CameraSource
+    from horizon_dl.sources.open_source import open_source
+    from horizon_dl.sources.with_autopilot import WithAutopilot
     from horizon_dl.vehicle.mavlink import open_link
 
     url = _autopilot(arguments)

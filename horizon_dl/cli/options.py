@@ -153,7 +153,7 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
 
 def open_data(arguments: argparse.Namespace) -> "Recording":
     """The recording that `DATA` and the options beside it name; InputError for a camera or stream."""
-    from horizon_dl.data.open_source import finished_recording, open_source
+    from horizon_dl.sources.open_source import finished_recording, open_source
 
     return finished_recording(open_source(arguments.data, arguments.format, given(arguments)))
 
@@ -167,7 +167,7 @@ def open_finding_axes(arguments: argparse.Namespace) -> tuple["Recording", str]:
     Raises:
         InputError: see `open_data`; AxesNotStatedError where the pictures do not tell either.
     """
-    from horizon_dl.data.calibration.mount import AxesNotStatedError
+    from horizon_dl.calibration.mount import AxesNotStatedError
 
     try:
         return open_data(arguments), ""

@@ -40,11 +40,11 @@ def run(arguments: argparse.Namespace) -> None:
     if not is_model_file(arguments.model):
         check_run_folder(arguments.model)
 
-    from horizon_dl.data.open_source import open_source
     from horizon_dl.methods.open_predictor import open_predictor
     from horizon_dl.output import output_folder, write_bytes
     from horizon_dl.reporting.outputs import NO_FILM, can_film
     from horizon_dl.reporting.run_page import FILM
+    from horizon_dl.sources.open_source import open_source
 
     wanted = given(arguments, needs_attitude=False)
     source = open_source(arguments.source, arguments.format, wanted)

@@ -3,7 +3,6 @@
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
-from horizon_dl.data.clock.clock_fit import ClockFit
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.inspection.finding import Finding, Level
@@ -11,6 +10,7 @@ from horizon_dl.inspection.image_quality import Exposure, TruthStatistics
 from horizon_dl.inspection.orientation import Orientation
 from horizon_dl.inspection.time_offset import MotionFit
 from horizon_dl.inspection.timing_and_attitude import Attitudes, Labels, Percentiles, Timing
+from horizon_dl.logs.clock.clock_fit import ClockFit
 
 
 @dataclass(frozen=True)

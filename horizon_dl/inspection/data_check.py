@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from PIL import Image
 from tqdm import tqdm
 
-from horizon_dl.data.clock.find_clock import find_clock
 from horizon_dl.data.frame import FrameHeader, has_attitude
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View, make_view
@@ -35,6 +34,7 @@ from horizon_dl.inspection.timing_and_attitude import (
     percentiles,
     timing,
 )
+from horizon_dl.logs.clock.find_clock import find_clock
 
 OVERLAYS = 8
 MOST_TRUTHS = 30

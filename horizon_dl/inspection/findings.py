@@ -3,12 +3,12 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from horizon_dl.data.clock.align import describe, option
-from horizon_dl.data.clock.clock_fit import ClockFit
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.finding import Finding, Level, verdict_of
 from horizon_dl.inspection.orientation_findings import convention_finding, mount_finding
 from horizon_dl.inspection.time_offset import MotionFit
+from horizon_dl.logs.clock.align import describe, option
+from horizon_dl.logs.clock.clock_fit import ClockFit
 
 FEW_FRAMES, TOO_FEW_FRAMES = 50, 5
 Rule = Callable[[DataCheck], Iterator[Finding]]

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.capture.newest import NewestFrame
 from horizon_dl.data.frame import Frame
 from horizon_dl.errors import FrameError
 from horizon_dl.evidence.plausible import HeightWatch
@@ -23,6 +22,7 @@ from horizon_dl.ranging.free_distance import FreeDistances
 from horizon_dl.runtime.latency import Latencies
 from horizon_dl.runtime.perception import Perception
 from horizon_dl.runtime.watchdog import Clock, Watchdog
+from horizon_dl.sources.newest import NewestFrame
 from horizon_dl.vehicle.mavlink import INFO, WARNING, Link
 from horizon_dl.vehicle.obstacle_distance import MessageShape, distances_cm
 from horizon_dl.vehicle.telemetry import Autopilot

@@ -9,8 +9,8 @@ import numpy as np
 
 from fuzz.mutations import damaged
 from horizon_dl.data.given import Given
-from horizon_dl.data.readers.registry import open_recording
 from horizon_dl.data.source import Recording
+from horizon_dl.readers.registry import open_recording
 
 
 def film(folder: Path) -> Callable[[random.Random], None]:

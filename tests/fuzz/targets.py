@@ -20,16 +20,16 @@ from PIL import Image
 
 from fuzz.mutations import bomb, damaged
 from fuzz.streams import film, ros_bag
+from horizon_dl.calibration.calibration import read_calibration
 from horizon_dl.config import Config, load_config
 from horizon_dl.config_file import config_folder
-from horizon_dl.data.attitude_logs.registry import read_attitude
-from horizon_dl.data.calibration.calibration import read_calibration
-from horizon_dl.data.download.fetch import _read_sums
-from horizon_dl.data.download.unpack import unpack
 from horizon_dl.data.images import load_rgb, load_truth, load_uint16
-from horizon_dl.data.readers.registry import open_recording
+from horizon_dl.download.fetch import _read_sums
+from horizon_dl.download.unpack import unpack
 from horizon_dl.errors import FrameError
+from horizon_dl.logs.attitude_logs.registry import read_attitude
 from horizon_dl.output.manifest import MANIFEST, check_files, read_manifest
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 from horizon_dl.training.run_files import FILES

@@ -1,0 +1,1 @@
+"""Logs: attitudes over time, ROS bags, and the clocks that films and logs share."""

@@ -1,0 +1,98 @@
+"""Reads an attitude log of any known kind: each kind is asked whether the file is one of its own."""
+
+import math
+from pathlib import Path
+from typing import Protocol
+
+from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.errors import InputError
+from horizon_dl.logs.attitude_logs import (
+    csv_table,
+    dataflash,
+    dji_srt,
+    gopro_track,
+    mars_logger,
+    px4_ulog,
+    sensor_logger,
+)
+
+HEAD_BYTES = 4096
+
+
+class LogKind(Protocol):
+    """What the module of a kind of log offers."""
+
+    NAME: str
+    NEEDS: str
+
+    def recognises(self, path: Path, head: bytes) -> bool:
+        """Whether the file, which begins so, or folder looks like this kind."""
+
+    def read(self, path: Path) -> AttitudeLog:
+        """The log; at least one attitude."""
+
+
+KINDS: tuple[LogKind, ...] = (
+    px4_ulog,
+    dataflash,
+    gopro_track,
+    dji_srt,
+    mars_logger,
+    sensor_logger,
+)
+
+
+def read_attitude(given: str, units: Given = NOTHING_GIVEN) -> AttitudeLog | ConstantAttitude:
+    """What `--attitude` names: `constant:ROLL,PITCH` in degrees, or the file of a log.
+
+    Args:
+        given: the option's value.
+        units: what was given of a table's units.
+
+    Raises:
+        InputError: the angles are no angles, or the file cannot be read.
+
+    Example:
+        >>> round(read_attitude("constant:0,-90").pitch_rad, 3)
+        -1.571
+    """
+    kind, _, rest = given.partition(":")
+    return _constant(rest) if kind == "constant" else read_attitude_log(Path(given), units)
+
+
+def read_attitude_log(path: Path, units: Given = NOTHING_GIVEN) -> AttitudeLog:
+    """The attitude log in a file, or in an app's folder, of any kind.
+
+    Raises:
+        InputError: it is not there or cannot be read; the error says what is needed.
+    """
+    if not path.exists():
+        raise InputError(path, "does not exist", "give the file of an attitude log")
+    try:
+        head = b"" if path.is_dir() else _head(path)
+    except OSError as error:
+        raise InputError(path, f"cannot be read ({type(error).__name__})", "check the file") from None
+    for kind in KINDS:
+        if kind.recognises(path, head):
+            return kind.read(path)
+    if path.is_dir():
+        needs = "; ".join([kind.NEEDS for kind in KINDS] + [csv_table.NEEDS])
+        raise InputError(path, "is a folder, and no app's export", f"needed is one of: {needs}")
+    return csv_table.read(path, units)
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(HEAD_BYTES)
+
+
+def _constant(angles: str) -> ConstantAttitude:
+    try:
+        roll, pitch = (float(angle) for angle in angles.split(","))
+    except ValueError:
+        roll = pitch = math.nan
+    if not (abs(roll) <= 180 and abs(pitch) <= 90):
+        problem = "are no roll and pitch in degrees"
+        raise InputError(f"--attitude constant:{angles}", problem, "give for example constant:0,-10")
+    return ConstantAttitude(math.radians(roll), math.radians(pitch))

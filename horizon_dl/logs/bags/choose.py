@@ -1,0 +1,131 @@
+"""Which of a bag's topics are taken: by content, or as named where several fit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from horizon_dl.errors import InputError
+from horizon_dl.logs.bags.attitudes import KINDS, oriented, read_orientations
+from horizon_dl.logs.bags.camera_info import KIND as INFO
+from horizon_dl.logs.bags.camera_info import base_topic
+from horizon_dl.logs.bags.linked import Linked, transform_series
+from horizon_dl.logs.bags.messages import decoder, frame_name
+from horizon_dl.logs.bags.pixels import is_depth
+from horizon_dl.logs.bags.storage import Bag, Topic
+from horizon_dl.logs.bags.transforms import TransformTree
+from horizon_dl.logs.bags.up_series import Felt, Turned, imu_series, orientation_series
+
+IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+BODIES = ("base_link", "base_footprint", "base", "body", "fcu")
+AFTER_TRANSFORMS = len(KINDS) + 1
+
+Series = Turned | Felt | Linked
+
+
+def check_named(bag: Bag, named: Sequence[str]) -> None:
+    """InputError where --topic names what is not there, or nothing that is of use."""
+    for name in named:
+        topic = bag.topics.get(name)
+        if topic is None or topic.kind not in (*IMAGES, INFO, *KINDS):
+            useful = [one.name for one in bag.topics.values() if one.kind in (*IMAGES, INFO, *KINDS)]
+            problem = "is not in the bag" if topic is None else f"is of {topic.kind}, which says nothing here"
+            hint = f"choose from {_listed(useful)}" if useful else "no topic is of use"
+            raise InputError(f"--topic {name}", problem, hint)
+
+
+def first_message(bag: Bag, topic: Topic) -> Any:
+    """The first message of a topic.
+
+    Raises:
+        InputError: there is none, though the bag's index counts some.
+    """
+    for _, raw in bag.messages(topic):
+        return decoder(bag, topic)(raw)
+    raise InputError(bag.path, f"holds no message of {topic.name}", "it was cut off; copy it again")
+
+
+def image_topic(bag: Bag, named: Sequence[str]) -> Topic:
+    """The topic with the pictures: named, or the only one; of two with the same, the fuller, else the raw.
+
+    Raises:
+        InputError: none, or several fit.
+    """
+    images = [topic for topic in bag.topics.values() if topic.kind in IMAGES and topic.count]
+    chosen = [topic for topic in images if topic.name in named]
+    seen = chosen or [topic for topic in images if not is_depth(first_message(bag, topic))]
+    if not seen:
+        depth = f"; only depth in {_listed([one.name for one in images])}" if images else ""
+        kinds = sorted({topic.kind for topic in bag.topics.values() if topic.count})
+        problem = f"holds no pictures{depth or ', only ' + _listed(kinds)}"
+        raise InputError(bag.path, problem, "record an Image or CompressedImage topic")
+    cameras: dict[str, Topic] = {}
+    for topic in sorted(seen, key=lambda one: (-one.count, len(one.name))):
+        cameras.setdefault(base_topic(topic.name), topic)
+    if len(cameras) > 1:
+        raise _several(bag, "pictures", [one.name for one in cameras.values()])
+    return next(iter(cameras.values()))
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    topic: Topic
+    frame: str
+    rank: tuple[bool, int]
+
+
+def up_series(
+    bag: Bag, tree: TransformTree, camera_frame: str, named: Sequence[str], arrivals: bool = False
+) -> Series | None:
+    """What tells the attitude best: of what hangs together with the camera, and orientations before an IMU's.
+
+    Args:
+        bag: the bag.
+        tree: its transforms.
+        camera_frame: frame of the pictures.
+        named: topics that the user chose.
+        arrivals: go by the times of arrival, not by the headers'.
+
+    Raises:
+        InputError: several topics fit equally well.
+    """
+    topics = [topic for topic in bag.topics.values() if topic.kind in KINDS and topic.count]
+    chosen = [topic for topic in topics if topic.name in named]
+    candidates = [_candidate(bag, tree, camera_frame, topic) for topic in chosen or topics]
+    linked = None if chosen else transform_series(tree, camera_frame)
+    for rank in sorted({one.rank for one in candidates} | ({(False, len(KINDS))} if linked else set())):
+        if linked and rank == (False, len(KINDS)):
+            return linked
+        equal = [one for one in candidates if one.rank == rank]
+        if len(equal) > 1:
+            raise _several(bag, "attitudes", [one.topic.name for one in equal])
+        found = read_orientations(bag, equal[0].topic)
+        series = orientation_series(found, arrivals) or imu_series(found, arrivals)
+        if series is not None:
+            return replace(series, frame=equal[0].frame)
+    return None
+
+
+def _candidate(bag: Bag, tree: TransformTree, camera_frame: str, topic: Topic) -> _Candidate:
+    quaternion, frame = oriented(first_message(bag, topic), KINDS[topic.kind])
+    frame = frame_name(frame)
+    connected = bool(frame and camera_frame) and tree.connected(frame, camera_frame)
+    if not frame and any(body in tree.chain(camera_frame) for body in BODIES):
+        connected = True
+    known = any(quaternion)
+    return _Candidate(
+        topic, frame, (not connected, list(KINDS).index(topic.kind) if known else AFTER_TRANSFORMS)
+    )
+
+
+def body_frame(tree: TransformTree, camera_frame: str) -> str | None:
+    """The robot's own frame above the camera; None where the transforms have none."""
+    return next((name for name in tree.chain(camera_frame) if name in BODIES), None)
+
+
+def _several(bag: Bag, what: str, names: Sequence[str]) -> InputError:
+    return InputError(bag.path, f"holds {what} in {_listed(names)}", f"choose with --topic {names[0]}")
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:12])
+    return f"{shown} and {len(names) - 12} more" if len(names) > 12 else shown

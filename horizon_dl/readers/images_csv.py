@@ -1,0 +1,120 @@
+"""Images + CSV, the format to bring own data in: `frames.csv`, `camera.yaml`, images; also labels and depth.
+
+frames.csv has the columns image, time_s, roll_rad, pitch_rad (or a quaternion qw, qx, qy, qz) and, if known,
+yaw_rad and height_m. The attitude is the body's (FRD in NED); a blank or NaN attitude means that the frame
+has none. A table of another name, or with other names of columns, is taken if it is the only one that fits.
+"""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.calibration.calibration import Calibration, read_calibration
+from horizon_dl.calibration.picture_size import picture_size
+from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
+from horizon_dl.data.convention import Convention, reading_with
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.image_folder import FrameFiles, image_recording
+from horizon_dl.data.source import Recording
+from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
+from horizon_dl.data.tables.columns import Column, find_columns, require
+from horizon_dl.data.tables.parsing import MOST_HEIGHT_M, relative_name
+from horizon_dl.data.tables.table import Table, read_table
+from horizon_dl.data.tables.units import CAMERA_STEPS
+from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import up_in_camera
+from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.logs.log_recording import headers_by_log
+from horizon_dl.readers.beside import files_beside
+from horizon_dl.readers.frames_table import frames_table, image_paths
+
+NAME = "images_csv"
+NEEDS = "frames.csv (image,time_s,roll_rad,pitch_rad) and camera.yaml"
+
+
+def recognises(folder: Path) -> bool:
+    """Whether the folder looks like this format."""
+    return frames_table(folder) is not None
+
+
+def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
+    """Opens the set; --camera and --attitude count for more than what lies in the folder.
+
+    Raises:
+        InputError: a file, column or field is missing or wrong, or no frame has an attitude.
+    """
+    path = frames_table(folder) or folder / "frames.csv"
+    table = read_table(path)
+    columns = find_columns(table)
+    require(table, columns, ("image", "time"))
+    times, notes = read_times(table, columns, given, CAMERA_STEPS)
+    cells = table.texts(columns["image"].name)
+    for index, cell in enumerate(cells):
+        if not cell or not math.isfinite(times[index]):
+            raise InputError(path, f"row {index + 1} has no image or no time", "complete or remove the row")
+    images = image_paths(path, cells)
+    calibration = read_calibration(
+        given.camera or folder / "camera.yaml", size=picture_size(images), imu_axes=given.imu_axes
+    )
+    names = [relative_name(image, folder) for image in images]
+    headers, more_notes, moved = _headers(table, columns, names, times.tolist(), calibration, given)
+    truths, depths = (files_beside(folder, kind, names) for kind in ("labels", "depth"))
+    files = [FrameFiles(*one) for one in zip(images, truths, depths, strict=True)]
+    recording = image_recording(
+        folder.resolve().name,
+        NAME,
+        calibration.camera,
+        zip(headers, files, strict=True),
+        where=path,
+        attitude_from=given.attitude or "the columns roll_rad and pitch_rad",
+        rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
+        mount_rpy_rad=calibration.mount_rpy_rad,
+        notes=(*calibration.notes, *notes, *more_notes),
+        reading=reading_with(Convention(), calibration.mount_rpy_rad),
+    )
+    return replace(recording, attitudes=moved)
+
+
+def _headers(
+    table: Table,
+    columns: dict[str, Column],
+    names: list[str],
+    times_s: list[float],
+    calibration: Calibration,
+    given: Given,
+) -> tuple[list[FrameHeader], tuple[str, ...], AttitudeLog | None]:
+    """What is known of the frames, notes, and the log on the frames' clock where there is one."""
+    mount = calibration.mount_rpy_rad
+    log = None if given.attitude is None else read_attitude(given.attitude, given)
+    if isinstance(log, ConstantAttitude):
+        headers = [log.header(name, time_s, mount) for name, time_s in zip(names, times_s, strict=True)]
+        return headers, (), None
+    if log is not None:
+        where = Path(given.attitude or "")
+        headers, moved, notes = headers_by_log(where, names, times_s, calibration, log, given)
+        return headers, notes, moved
+    rows = read_attitudes(table, columns, given)
+    headers = [
+        FrameHeader(
+            name,
+            times_s[index],
+            up_in_camera(attitude, mount) if np.isfinite(attitude).all() else None,
+            _known(rows.yaws_rad[index]),
+            _known(rows.heights_m[index]),
+            as_read=_numbers(rows.as_read, index) if np.isfinite(attitude).all() else None,
+        )
+        for index, (name, attitude) in enumerate(zip(names, rows.quaternions, strict=True))
+    ]
+    return headers, rows.notes, None
+
+
+def _numbers(as_read: NDArray[np.float64] | None, index: int) -> tuple[float, ...] | None:
+    return None if as_read is None else tuple(as_read[index].tolist())
+
+
+def _known(value: float) -> float | None:
+    return float(value) if abs(value) < MOST_HEIGHT_M else None

@@ -1,0 +1,51 @@
+"""One door for everything that frames come from: recordings of every format, cameras, streams."""
+
+from pathlib import Path
+
+from horizon_dl.calibration.calibration import read_calibration
+from horizon_dl.data.attitude_log import AttitudeLog
+from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.source import FrameSource, Recording
+from horizon_dl.errors import InputError
+from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.logs.clock.align import on_found_clock
+from horizon_dl.readers.registry import open_recording
+from horizon_dl.sources.camera import CameraSource, is_live
+
+
+def open_source(
+    where: str | Path, format: str | None = None, given: Given = NOTHING_GIVEN, *, delay_s: float = 0.0
+) -> FrameSource:
+    """The frames of a file, a folder, a camera (`camera:0`) or a stream's address.
+
+    Args:
+        where: see above.
+        format: name of the reader; None: recognised by content.
+        given: what the data lacks.
+        delay_s: of a camera, from exposure to arrival.
+
+    Raises:
+        InputError: there is nothing, or nothing that can be read; the error says how to give what lacks.
+
+    Example:
+        >>> source = open_source("flight/")                        # doctest: +SKIP
+        >>> for frame in source.frames(): ...                      # doctest: +SKIP
+    """
+    if not is_live(str(where)):
+        recording = open_recording(Path(where), format, given)
+        return on_found_clock(recording) if given.find_offset else recording
+    if given.needs_attitude and given.attitude is None:
+        problem = "has no attitude: nothing says where the horizon lies"
+        raise InputError(where, problem, "give --attitude mavlink:URL, or constant:ROLL,PITCH in degrees")
+    calibration = None if given.camera is None else read_calibration(given.camera, imu_axes=given.imu_axes)
+    attitude = None if given.attitude is None else read_attitude(given.attitude)
+    if isinstance(attitude, AttitudeLog):
+        raise InputError(f"--attitude {given.attitude}", "is the log of a recording", "give mavlink:URL")
+    return CameraSource(str(where), calibration, delay_s=delay_s, attitude=attitude)
+
+
+def finished_recording(source: FrameSource) -> Recording:
+    """The source, where it can be read again and again; InputError for a camera or stream."""
+    if isinstance(source, Recording):
+        return source
+    raise InputError(source.name, "is live: its frames are gone once seen", "learn from it with `online`")
