@@ -32,7 +32,8 @@ from horizon_dl.data.source import Recording
 from horizon_dl.evidence.judge import Judge
 from horizon_dl.export.export import export_run
 from horizon_dl.geometry.polar import PolarView, polar_view
-from horizon_dl.metrics.range_truth import level_ranges, nearest, true_distances
+from horizon_dl.geometry.resize import nearest
+from horizon_dl.metrics.range_truth import level_ranges, true_distances
 from horizon_dl.metrics.ranging import MISSED_FACTOR, RangingAccumulator
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions

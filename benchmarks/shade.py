@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.evaluation.compare import split_recording
+from horizon_dl.evidence.sketch import LUMA
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.learners import Method, NetMethod, fit_forest
 from horizon_dl.metrics.accumulators import ScoredPixels, enlarged, scored_pixels
@@ -26,7 +27,6 @@ from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
 from horizon_dl.workers import SerialWorkers
 
 DARK = 0.6
-LUMA = np.array([0.299, 0.587, 0.114])
 WANTED_TPR = 0.9
 NETS = {
     "hard labels (before)": ABLATIONS["hard labels"],

@@ -8,8 +8,15 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.source import MountRpy
-from horizon_dl.data.tables.parsing import MAX_GAP_S, MOST_HEIGHT_M, by_time
-from horizon_dl.geometry.attitude import bracket, interpolate, quaternion_from_rpy, up_in_camera, yaw_of
+from horizon_dl.data.tables.parsing import MOST_HEIGHT_M, by_time
+from horizon_dl.geometry.attitude import (
+    MAX_GAP_S,
+    bracket,
+    interpolate,
+    quaternion_from_rpy,
+    up_in_camera,
+    yaw_of,
+)
 
 Floats = NDArray[np.float64]
 

@@ -5,9 +5,12 @@ float32, whatever their order: the exported graph does the same with matrix prod
 """
 
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+T = TypeVar("T", bound=np.generic)
 
 WEIGHT_STEPS = 4096
 """255 * 4096 is far below 2 ** 24, up to which float32 holds every whole number."""
@@ -85,3 +88,9 @@ def nearest_pixels(inputs: int, outputs: int) -> NDArray[np.intp]:
         [0, 0, 1, 1, 1]
     """
     return (2 * np.arange(outputs) + 1) * inputs // (2 * outputs)
+
+
+def nearest(image: NDArray[T], height: int, width: int) -> NDArray[T]:
+    """A label image or mask (H, W) at another size, by the pixel under each centre; see `nearest_pixels`."""
+    rows, columns = nearest_pixels(image.shape[0], height), nearest_pixels(image.shape[1], width)
+    return image[np.ix_(rows, columns)]

@@ -11,6 +11,7 @@ from horizon_dl.data.frame import Frame, Truth
 from horizon_dl.data.view import View
 from horizon_dl.geometry.horizon import ABOVE, IGNORED, elevation, horizon_label
 from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.geometry.resize import nearest
 from horizon_dl.metrics.calibration_error import Reliability
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.uncertainty.measures import P_ABOVE
@@ -72,8 +73,7 @@ class Confusion:
 
     def update(self, obstacle_map: NDArray[np.bool_], pixels: ScoredPixels) -> None:
         """Count one frame's (h, w) map, enlarged to the truth's size."""
-        size = (pixels.mask.shape[1], pixels.mask.shape[0])
-        found = np.asarray(Image.fromarray(obstacle_map).resize(size, Image.Resampling.NEAREST))[pixels.mask]
+        found = nearest(obstacle_map, *pixels.mask.shape)[pixels.mask]
         self.hits += int(np.sum(found & pixels.obstacle))
         self.obstacles += int(np.sum(pixels.obstacle))
         self.false_alarms += int(np.sum(found & ~pixels.obstacle))

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame, Truth
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.geometry.resize import nearest
 from horizon_dl.metrics.accumulators import ScoredPixels
-from horizon_dl.metrics.range_truth import level_ranges, nearest
+from horizon_dl.metrics.range_truth import level_ranges
 
 STRIPS = 320
 """Columns of obstacle points, over the image's width: a lidar with 0.1 to 0.2 degrees a step fills each."""

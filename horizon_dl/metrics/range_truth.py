@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame, RangeImage, Truth
 from horizon_dl.geometry.polar import Bearings, directions_to_polar
 from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.geometry.resize import nearest
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -97,13 +98,6 @@ def _sectors(frame: Frame, height: int, width: int, bearings: Bearings) -> tuple
     sector = np.floor(bearing / bearings.step_rad + bearings.count / 2)
     inside = (sector >= 0) & (sector < bearings.count)
     return np.where(inside, sector, bearings.count).astype(np.int64), depression
-
-
-def nearest(image: NDArray[np.uint8], height: int, width: int) -> NDArray[np.uint8]:
-    """A (H, W) label image at another size, by the nearest pixel."""
-    rows = (np.arange(height) + 0.5) * image.shape[0] / height
-    columns = (np.arange(width) + 0.5) * image.shape[1] / width
-    return image[np.ix_(rows.astype(int), columns.astype(int))]
 
 
 def _smallest_supported(sector: NDArray[np.int64], distance_m: Floats, count: int) -> Floats:

@@ -16,7 +16,6 @@ from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.imu import estimate_up
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import (
-    MAX_GAP_S,
     by_time,
     check_overlap,
     images_in,
@@ -27,7 +26,7 @@ from horizon_dl.data.tables.parsing import (
     whole_number,
 )
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import bracket, unit
+from horizon_dl.geometry.attitude import MAX_GAP_S, bracket, unit
 from horizon_dl.readers.beside import files_beside
 from horizon_dl.readers.euroc_camera import read_euroc_camera
 from horizon_dl.readers.euroc_poses import NANOSECOND, find_poses, read_ups

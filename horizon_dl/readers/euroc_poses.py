@@ -10,14 +10,13 @@ from horizon_dl.calibration.fields import Fields
 from horizon_dl.calibration.tree import read_tree
 from horizon_dl.data.tables.columns import words_of
 from horizon_dl.data.tables.parsing import (
-    MAX_GAP_S,
     by_time,
     check_overlap,
     read_lines,
     read_numbers,
     usable_quaternions,
 )
-from horizon_dl.geometry.attitude import interpolate, rotation_from_quaternion
+from horizon_dl.geometry.attitude import MAX_GAP_S, interpolate, rotation_from_quaternion
 
 Floats = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.regular_file import read_regular
-from horizon_dl.data.tables.parsing import MAX_GAP_S, read_lines, whole_number
+from horizon_dl.data.tables.parsing import read_lines, whole_number
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy
+from horizon_dl.geometry.attitude import MAX_GAP_S, interpolate, quaternion_from_rpy
 
 Floats = NDArray[np.float64]
 

@@ -20,7 +20,6 @@ from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import (
-    MAX_GAP_S,
     check_overlap,
     column,
     images_in,
@@ -31,7 +30,7 @@ from horizon_dl.data.tables.parsing import (
     whole_number,
 )
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import interpolate, quaternion_from_rpy, up_in_camera, yaw_of
+from horizon_dl.geometry.attitude import MAX_GAP_S, interpolate, quaternion_from_rpy, up_in_camera, yaw_of
 from horizon_dl.readers.beside import files_beside
 
 Floats = NDArray[np.float64]

@@ -18,7 +18,6 @@ from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import (
-    MAX_GAP_S,
     by_time,
     check_overlap,
     inside_folder,
@@ -27,7 +26,7 @@ from horizon_dl.data.tables.parsing import (
     usable_quaternions,
 )
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import bracket, interpolate, rotation_from_quaternion, unit
+from horizon_dl.geometry.attitude import MAX_GAP_S, bracket, interpolate, rotation_from_quaternion, unit
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.readers.beside import files_beside
 from horizon_dl.readers.tum_lists import find_depths, find_images, find_trajectory, has_lists

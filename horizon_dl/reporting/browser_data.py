@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
+from horizon_dl.geometry.resize import nearest
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.reporting.sections import data_address
 from horizon_dl.reporting.stills import Still
@@ -93,7 +94,7 @@ def _encoded(one: Still, coders: Mapping[str, _Coder]) -> dict[str, Any]:
     line = (contour_coverage(elevation, 0.0, 2.0) >= 0.5).astype(np.uint8) * 255
     maps = {}
     for key, said in one.said.items():
-        code = PilImage.fromarray(coders[key].code(said.score)).resize(size, PilImage.Resampling.NEAREST)
+        code = PilImage.fromarray(nearest(coders[key].code(said.score), height, width))
         sides = (np.clip(said.p_above, 0, 1).astype(np.float32) * 255).round().astype(np.uint8)
         maps[key] = {
             "score": _address(code, lossless=True),

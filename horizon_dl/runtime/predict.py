@@ -12,7 +12,7 @@ from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.geometry.resize import area_resize
+from horizon_dl.geometry.resize import area_resize, nearest
 from horizon_dl.runtime.model import ObstacleModel, Outputs
 from horizon_dl.runtime.perception import model_rays
 from horizon_dl.runtime.prediction import Prediction
@@ -66,10 +66,7 @@ def measures_of(found: Outputs) -> Measures:
 
 def small_obstacles(found: Outputs) -> NDArray[np.bool_]:
     """The obstacle map at the working size, which the model enlarged by repeating pixels."""
-    (height, width), small = found.obstacles.shape, found.entropy.shape
-    rows = ((np.arange(small[0]) + 0.5) * (height / small[0])).astype(int)
-    columns = ((np.arange(small[1]) + 0.5) * (width / small[1])).astype(int)
-    return found.obstacles[np.ix_(rows, columns)]
+    return nearest(found.obstacles, *found.entropy.shape)
 
 
 def check_camera(model: ObstacleModel, camera: Camera, where: str | Path) -> None:

@@ -6,10 +6,9 @@ from collections import deque
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from horizon_dl.geometry.attitude import interpolate
+from horizon_dl.geometry.attitude import MAX_GAP_S, interpolate
 
 KEPT = 400  # 4 s at 100 Hz
-MAX_GAP_S = 0.2
 MAX_HEIGHT_AGE_S = 1.0
 DRIFT_PER_S = 1e-3
 MAX_AHEAD_S = 0.15

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PilImage
 
+from horizon_dl.geometry.resize import nearest
 from horizon_dl.visualization.colours import Image, colour_map
 from horizon_dl.visualization.overlays import (
     draw_obstacles,
@@ -32,10 +33,7 @@ def resize_map(values: Floats, width: int, height: int) -> NDArray[np.float32]:
 
 
 def _resize_mask(mask: NDArray[np.bool_], width: int, height: int) -> NDArray[np.bool_]:
-    resized = PilImage.fromarray(np.asarray(mask, np.uint8)).resize(
-        (width, height), PilImage.Resampling.NEAREST
-    )
-    return np.asarray(resized, bool)
+    return nearest(np.asarray(mask, bool), height, width)
 
 
 class Cells:

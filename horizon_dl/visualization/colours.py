@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Truth
+from horizon_dl.evidence.sketch import luma
 
 Colour = tuple[int, int, int]
 Image = NDArray[np.uint8]
@@ -91,5 +92,4 @@ def tint(image: Image, mask: NDArray[np.bool_], colour: Colour, strength: float)
 
 def grey(image: Image) -> Image:
     """The (h, w, 3) image without its colour, slightly lifted, as a ground for overlays."""
-    luma = image @ np.array([0.299, 0.587, 0.114])
-    return np.repeat((40 + luma * 0.8).round().astype(np.uint8)[..., None], 3, axis=2)
+    return np.repeat((40 + luma(image) * 0.8).round().astype(np.uint8)[..., None], 3, axis=2)

@@ -22,8 +22,6 @@ MOST_HEIGHT_M = 1e5
 """Nothing flies higher: a larger number is none."""
 
 IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".ppm", ".pgm", ".tif", ".tiff", ".webp")
-MAX_GAP_S = 0.2
-"""Longest gap between two attitude samples that is bridged; robots turn too much in longer ones."""
 
 
 def read_table(path: Path, required: Sequence[str]) -> list[dict[str, str]]:

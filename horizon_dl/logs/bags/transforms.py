@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.tables.parsing import MAX_GAP_S
-from horizon_dl.geometry.attitude import interpolate, rotation_from_quaternion
+from horizon_dl.geometry.attitude import MAX_GAP_S, interpolate, rotation_from_quaternion
 from horizon_dl.logs.bags.messages import decoder, frame_name, header_of
 from horizon_dl.logs.bags.storage import Bag
 

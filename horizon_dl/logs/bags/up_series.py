@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.imu import estimate_up
-from horizon_dl.data.tables.parsing import MAX_GAP_S, by_time
-from horizon_dl.geometry.attitude import bracket, interpolate, rotation_from_quaternion, unit
+from horizon_dl.data.tables.parsing import by_time
+from horizon_dl.geometry.attitude import MAX_GAP_S, bracket, interpolate, rotation_from_quaternion, unit
 from horizon_dl.logs.bags.attitudes import PX4, Orientations
 
 Floats = NDArray[np.float64]
