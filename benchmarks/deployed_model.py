@@ -39,7 +39,7 @@ from horizon_dl.export.onnx_file import graph_of
 from horizon_dl.export.parity import feed_of
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.models.build import build_net, parameter_count
-from horizon_dl.models.dropout import image_tensor
+from horizon_dl.models.encoded import image_tensor
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest
 from horizon_dl.output import write_json

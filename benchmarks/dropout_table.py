@@ -18,7 +18,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.metrics import method_metrics
-from horizon_dl.models.dropout import image_tensor
+from horizon_dl.models.encoded import image_tensor
 from horizon_dl.models.fcn import HorizonFCN, enlarge
 from horizon_dl.reporting.table import format_markdown
 from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy

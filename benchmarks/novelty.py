@@ -14,7 +14,7 @@ from places import AS_SHIPPED, EVERYWHERE, drawn_samples
 from horizon_dl.data.view import View
 from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.metrics.roc import RocAccumulator
-from horizon_dl.models.dropout import image_tensor
+from horizon_dl.models.encoded import image_tensor
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.reporting.table import format_markdown
 from horizon_dl.training.train import evenly

@@ -30,7 +30,7 @@ from horizon_dl.provenance import machine, versions
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.training.crops import draw_batch
-from horizon_dl.training.half_resolution import half_elevation, half_resolution_frame
+from horizon_dl.training.half_resolution import guide_of, half_elevation, half_resolution_frame
 from horizon_dl.training.online.compression import pack, unpack
 from horizon_dl.training.online.learner import OnlineLearner
 
@@ -105,7 +105,9 @@ def measure(data: Path, count: int) -> dict[str, list[Taken]]:
         timed("learn", learner.learn, view)
         if number < early:
             continue
-        newest = timed("  target, with the net's edges", half_resolution_frame, view, config, learner.net)
+        newest = timed(
+            "  target, with the net's edges", half_resolution_frame, view, config, guide_of(learner.net)
+        )
         packed = timed("  replay: pack", pack, newest, half_elevation(view.elevation))
         timed("  replay: unpack one", unpack, packed)
         drawn = timed("  replay: draw a batch's frames", learner.memory.draw, config.online.batch - 1)

@@ -9,7 +9,7 @@ from horizon_dl.data.view import View
 from horizon_dl.export.entropy import entropy
 from horizon_dl.export.graph import Horizon, MeasureMaps, ObstacleMap
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.models.dropout import image_tensor
+from horizon_dl.models.encoded import image_tensor
 from horizon_dl.models.fcn import HorizonFCN, enlarge
 from horizon_dl.uncertainty.measures import measures
 

@@ -15,7 +15,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import make_view
 from horizon_dl.export.export import Exported, export_run, trained_camera
 from horizon_dl.models.build import build_net
-from horizon_dl.models.dropout import image_tensor, sample_p_above
+from horizon_dl.models.encoded import EncodedImage, image_tensor
 from horizon_dl.models.fcn import enlarge
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.evidence import training_evidence
@@ -63,7 +63,7 @@ def small_run() -> Run:
             loss.backward()
             optimiser.step()
     net.eval()
-    entropies = [binary_entropy(sample_p_above(net, view.image).mean(axis=0)) for view in views]
+    entropies = [binary_entropy(EncodedImage(net, view.image).samples().mean(axis=0)) for view in views]
     info = {
         "data": "set",
         "format": "images",
@@ -114,5 +114,5 @@ def fresh_run(frames, max_pixels=76_800) -> Run:
             net(image)
         net.masks.mul_(20)
     net.eval()
-    entropy = binary_entropy(sample_p_above(net, make_view(frames[0], max_pixels).image).mean(axis=0))
+    entropy = binary_entropy(EncodedImage(net, make_view(frames[0], max_pixels).image).samples().mean(axis=0))
     return Run(net, config, {"threshold": float(np.median(entropy))})

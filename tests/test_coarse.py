@@ -9,9 +9,14 @@ from hypothesis.extra.numpy import arrays
 from horizon_dl.config import load_config
 from horizon_dl.data.view import View
 from horizon_dl.models.build import build_net
-from horizon_dl.models.dropout import p_above_of_all_depths
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.targets.geodesic import geodesic_target
-from horizon_dl.training.half_resolution import half_elevation, half_resolution_frame, half_resolution_target
+from horizon_dl.training.half_resolution import (
+    guide_of,
+    half_elevation,
+    half_resolution_frame,
+    half_resolution_target,
+)
 
 
 def a_view(shape=(48, 65)) -> View:
@@ -52,8 +57,10 @@ def test_the_coarse_target_is_that_of_the_halved_view(guided):
     view, config = a_view((48, 64)), load_config()
     net = build_net(config.model).eval() if guided else None
     half = view.image.reshape(24, 2, 32, 2, 3).mean(axis=(1, 3)).round().astype(np.uint8)
-    p_above = None if net is None else p_above_of_all_depths(net, view.image, (24, 32))
+    p_above = None if net is None else EncodedImage(net, view.image).of_all_depths((24, 32))
     expected = geodesic_target(half, half_elevation(view.elevation), p_above)
-    found = half_resolution_target(view.image, half_elevation(view.elevation), config, net)
+    found = half_resolution_target(
+        view.image, half_elevation(view.elevation), config, None if net is None else guide_of(net)
+    )
     np.testing.assert_allclose(found[::2, ::2], expected, atol=0.02)
     assert np.array_equal(found[::2, ::2], found[1::2, 1::2])

@@ -36,7 +36,7 @@ from horizon_dl.export.smoke_test import export_and_try
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.resize import area_resize
 from horizon_dl.models.build import build_net
-from horizon_dl.models.dropout import image_tensor, sample_p_above, single_pass_p_above
+from horizon_dl.models.encoded import EncodedImage, image_tensor
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
@@ -66,8 +66,8 @@ def test_dropout_is_in_the_file(model):
     """The trap: a runtime that drops the dropout gives the single pass, which looks right."""
     for frame in toy_frames():
         view = make_view(frame, small_run().config.image.max_pixels)
-        sampled = binary_entropy(sample_p_above(small_run().net, view.image).mean(axis=0))
-        single = binary_entropy(single_pass_p_above(small_run().net, view.image)[0])
+        sampled = binary_entropy(EncodedImage(small_run().net, view.image).samples().mean(axis=0))
+        single = binary_entropy(EncodedImage(small_run().net, view.image).single_pass()[0])
         exported = model.predict(frame.image, frame.up_cam).entropy
         assert np.abs(exported - sampled).max() < TOLERANCE
         assert np.abs(exported - single).max() > 20 * TOLERANCE

@@ -9,7 +9,7 @@ from toy import write_toy_set
 from horizon_dl.config import load_config
 from horizon_dl.data.image_folder import FrameFiles
 from horizon_dl.errors import InputError
-from horizon_dl.models.dropout import single_pass_p_above
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import TrainingFrame, draw_batch
@@ -140,7 +140,7 @@ def test_the_net_learns_the_toy_horizon(toy):
     store = FrameStore(toy, config)
     net = train_net(store, range(20), seed=0)
     view = next(store.views([22]))
-    right = (single_pass_p_above(net, view.image)[0] > 0.5) == (view.elevation > 0)
+    right = (EncodedImage(net, view.image).single_pass()[0] > 0.5) == (view.elevation > 0)
     assert right.mean() > 0.85
 
 
@@ -156,7 +156,9 @@ def test_a_run_comes_back_as_it_was_saved(toy, config, tmp_path):
     save_run(tmp_path, run)
     loaded = load_run(tmp_path)
     image = next(FrameStore(toy, config).views([0])).image
-    assert np.array_equal(single_pass_p_above(loaded.net, image), single_pass_p_above(run.net, image))
+    assert np.array_equal(
+        EncodedImage(loaded.net, image).single_pass(), EncodedImage(run.net, image).single_pass()
+    )
     assert loaded.config == config
     assert loaded.threshold == pytest.approx(run.threshold)
     assert 0 < run.threshold < 1

@@ -4,7 +4,7 @@ import torch
 
 from horizon_dl.config import ModelConfig
 from horizon_dl.models.build import build_net, parameter_count
-from horizon_dl.models.dropout import image_tensor, sample_p_above, single_pass_p_above
+from horizon_dl.models.encoded import EncodedImage, image_tensor
 from horizon_dl.models.fcn import balanced_masks, enlarge
 
 KINDS = ("fcn", "mobilenet_v3_small", "resnet18")
@@ -33,8 +33,8 @@ def test_the_default_net_is_small():
 def test_any_size_gives_a_map_of_that_size(net):
     for height, width in ((61, 83), (32, 32), (187, 621)):
         image = np.zeros((height, width, 3), np.uint8)
-        assert sample_p_above(net, image).shape == (16, height, width)
-        assert single_pass_p_above(net, image).shape == (1, height, width)
+        assert EncodedImage(net, image).samples().shape == (16, height, width)
+        assert EncodedImage(net, image).single_pass().shape == (1, height, width)
 
 
 def test_sampling_is_dropout_with_the_kept_masks(net, image):
@@ -48,7 +48,7 @@ def test_sampling_is_dropout_with_the_kept_masks(net, image):
 
 
 def test_samples_differ_from_the_single_pass_and_centre_on_it(net, image):
-    samples = sample_p_above(net, image)
+    samples = EncodedImage(net, image).samples()
     assert samples.shape == (16, 61, 83)
     assert samples.std(axis=0).max() > 1e-3
     with torch.no_grad():
@@ -62,20 +62,20 @@ def test_the_single_pass_is_the_mean_of_the_logits_of_all_depths(net, image):
         logits = net(image_tensor(image))
         assert (logits[:, 0] - logits[:, 1]).abs().max() > 1e-3
         mean = enlarge(logits.mean(dim=1, keepdim=True).sigmoid(), image.shape[:2])
-    assert np.allclose(single_pass_p_above(net, image), mean[0].numpy(), atol=1e-5)
+    assert np.allclose(EncodedImage(net, image).single_pass(), mean[0].numpy(), atol=1e-5)
 
 
 def test_predictions_repeat_and_leave_the_random_state_alone(net, image):
     state = torch.get_rng_state()
-    assert np.array_equal(sample_p_above(net, image), sample_p_above(net, image))
+    assert np.array_equal(EncodedImage(net, image).samples(), EncodedImage(net, image).samples())
     assert torch.equal(state, torch.get_rng_state())
 
 
 def test_prediction_changes_no_batch_statistics(net, image):
     before = {name: value.clone() for name, value in net.state_dict().items()}
     net.train()
-    sample_p_above(net, image)
-    single_pass_p_above(net, image)
+    EncodedImage(net, image).samples()
+    EncodedImage(net, image).single_pass()
     assert all(torch.equal(value, before[name]) for name, value in net.state_dict().items())
 
 

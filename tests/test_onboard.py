@@ -16,8 +16,7 @@ from toy import write_toy_set
 from horizon_dl.cli import main
 from horizon_dl.data.view import make_view
 from horizon_dl.errors import InputError
-from horizon_dl.models.dropout import sample_p_above
-from horizon_dl.models.net_measures import net_measures
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.runtime.checksum import BLANK, FORMAT, checksummed, read_checksummed
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.training.predict import predict
@@ -207,7 +206,7 @@ def test_the_runtime_imports_nothing_heavy():
 def test_summarised_measures_are_those_of_the_file(model):
     for frame in toy_frames():
         view = make_view(frame, small_run().config.image.max_pixels)
-        wanted = net_measures(small_run().net, view.image, view.elevation > 0)
+        wanted = EncodedImage(small_run().net, view.image).measures(view.elevation > 0)
         found = model.predict(frame.image, frame.up_cam)
         for name in ("p_above", "entropy", "expected_entropy", "mutual_information"):
             np.testing.assert_allclose(getattr(found, name), getattr(wanted, name), atol=1e-4, err_msg=name)
@@ -217,8 +216,8 @@ def test_summarised_measures_are_those_of_the_file(model):
 def test_summarising_before_enlarging_changes_only_the_mutual_information():
     view = make_view(toy_frames()[0], small_run().config.image.max_pixels)
     above = view.elevation > 0
-    early = net_measures(small_run().net, view.image, above)
-    late = measures(sample_p_above(small_run().net, view.image), above)
+    early = EncodedImage(small_run().net, view.image).measures(above)
+    late = measures(EncodedImage(small_run().net, view.image).samples(), above)
     for name in ("p_above", "entropy"):
         np.testing.assert_allclose(getattr(early, name), getattr(late, name), atol=1e-5, err_msg=name)
     assert np.abs(early.mutual_information - late.mutual_information).mean() < 0.02

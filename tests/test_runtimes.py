@@ -13,7 +13,7 @@ from small_run import REAL_SETS, fresh_run, model_file, toy_frames
 from horizon_dl.data.view import make_view
 from horizon_dl.export.export import export_run, parity_frames
 from horizon_dl.export.parity import TOLERANCE, obstacle_differences
-from horizon_dl.models.net_measures import net_measures
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.readers.registry import open_recording
 
 EXPORTS = Path(__file__).parent.parent / "exports"
@@ -33,7 +33,7 @@ def test_openvino_says_the_same_on_real_frames(data_dir, tmp_path, name):
     compiled = openvino.Core().compile_model(str(path), "CPU", {"INFERENCE_PRECISION_HINT": "f32"})
     for frame in frames:
         view = make_view(frame, run.config.image.max_pixels)
-        wanted = net_measures(run.net, view.image, view.elevation > 0)
+        wanted = EncodedImage(run.net, view.image).measures(view.elevation > 0)
         found = compiled({"image": frame.image[None], "up_cam": frame.up_cam.astype(np.float32)})
         assert np.abs(found["p_above"] - wanted.p_above).max() < TOLERANCE
         assert np.abs(found["mutual_information"] - wanted.mutual_information).max() < TOLERANCE

@@ -13,9 +13,9 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View, make_view
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.resize import nearest_pixels
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest
-from horizon_dl.models.net_measures import net_measures
 from horizon_dl.runtime.model import OUTPUTS, new_session
 from horizon_dl.uncertainty.measures import Measures, measures
 from horizon_dl.uncertainty.obstacle_map import obstacle_map
@@ -82,7 +82,7 @@ def predictor(learner: Learner) -> Callable[[View], Measures]:
     """What a learner itself says of a view."""
     if isinstance(learner, HorizonForest):
         return lambda view: measures(learner.p_above_samples(view), view.elevation > 0)
-    return lambda view: net_measures(learner, view.image, view.elevation > 0)
+    return lambda view: EncodedImage(learner, view.image).measures(view.elevation > 0)
 
 
 def sample_frames(camera: Camera, count: int = 3) -> list[Frame]:

@@ -14,10 +14,9 @@ from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.methods.scores import score_maps
-from horizon_dl.models.dropout import single_pass_p_above
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest, draw_view_pixels
-from horizon_dl.models.net_measures import net_measures
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.online.learner import OnlineLearner
 from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy, measures
@@ -125,7 +124,7 @@ class NetStream:
 
     def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
-        return _net_scores(self.net, view)
+        return score_maps(view, self._learner.predict(view), self._learner.single_pass(view)[0])
 
     def quick_maps(self, view: View) -> dict[str, Map]:
         """`p_above` and `entropy` alone."""
@@ -184,8 +183,8 @@ class ForestStream:
 
 
 def _net_scores(net: HorizonFCN, view: View) -> dict[str, Map]:
-    found = net_measures(net, view.image, view.elevation > 0)
-    return score_maps(view, found, single_pass_p_above(net, view.image)[0])
+    encoded = EncodedImage(net, view.image)
+    return score_maps(view, encoded.measures(view.elevation > 0), encoded.single_pass()[0])
 
 
 def _forest_scores(forest: HorizonForest, view: View) -> dict[str, Map]:

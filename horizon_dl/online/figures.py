@@ -1,8 +1,11 @@
 """The prequential figures of the online learner: every frame is scored before it is learned from."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame, FrameHeader
@@ -22,10 +25,10 @@ from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.roc import RocAccumulator, RocResult
 from horizon_dl.metrics.running import RunningSides
-from horizon_dl.models.dropout import single_pass_p_above
-from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.uncertainty.measures import P_ABOVE, Measures
+
+Map = NDArray[np.float32]
 
 SCORES = (
     "entropy",
@@ -74,7 +77,9 @@ class OnlineFigures:
         else:
             self.reasons[not_learned] += 1
 
-    def predicted_frame(self, index: int, frame: Frame, view: View, found: Measures, net: HorizonFCN) -> None:
+    def predicted_frame(
+        self, index: int, frame: Frame, view: View, found: Measures, single_pass: Callable[[View], Map]
+    ) -> None:
         """Count a prediction whose horizon can be believed.
 
         Args:
@@ -82,14 +87,14 @@ class OnlineFigures:
             frame: with or without truth.
             view: of the frame.
             found: by the net as it was before it learned from the frame.
-            net: that net.
+            single_pass: gives `p_above` of a view without dropout, (1, h, w), by that net.
         """
         self.sides.update(found.p_above, view.elevation, self._config.labels.band_rad)
         if not self.learned:
             return
         maps = {P_ABOVE: found.p_above, "entropy": found.entropy}
         if self.validation.scores(index, frame):
-            maps = score_maps(view, found, single_pass_p_above(net, view.image)[0])
+            maps = score_maps(view, found, single_pass(view)[0])
             self._result = None
         self.validation.update(index, frame, view, {NET: maps})
 

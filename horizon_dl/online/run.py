@@ -150,7 +150,7 @@ class OnlineRun:
         self.figures.timed(took_s)
         reason = self.guard.check(item)
         if reason is None or not reason.spoils_horizon:
-            self.figures.predicted_frame(index, item, view, found, self.learner.net)
+            self.figures.predicted_frame(index, item, view, found, self.learner.single_pass)
         self._show(index, item, view, found)
         return Seen(index, item, view, reason, took_s)
 
@@ -214,7 +214,9 @@ class OnlineRun:
         try:
             with output_folder(self.folder, KIND, adding=True) as folder:
                 save_run(folder, run)
-                write_json(folder / "metrics.json", self.figures.metrics(self.source.name))
+                metrics = self.figures.metrics(self.source.name)
+                metrics["methods"][NET]["self_assessment"] = run.info["self_assessment"]
+                write_json(folder / "metrics.json", metrics)
         except (OSError, SafetensorError) as error:
             problem = f"cannot be written ({getattr(error, 'strerror', None) or error})"
             raise InputError(self.folder, problem, "make room; the same command then goes on") from None

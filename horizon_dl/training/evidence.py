@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from horizon_dl.errors import InputError
 from horizon_dl.evidence.place import Place, PlaceCalibration
 from horizon_dl.evidence.self_assessment import SelfAssessment
-from horizon_dl.models.dropout import sample_p_above
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 
 EVIDENCE_FRAMES = 100
@@ -39,7 +39,7 @@ def training_evidence(
     """
     calibration, assessment = PlaceCalibration(), SelfAssessment()
     for image, elevation in frames:
-        p_above = sample_p_above(net, image).mean(axis=0)
+        p_above = EncodedImage(net, image).samples().mean(axis=0)
         calibration.add(image, elevation, p_above)
         assessment.update(p_above, elevation)
     place = calibration.place()

@@ -7,7 +7,7 @@ from horizon_dl.data.frame import Frame, checked
 from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View, any_view
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.models.net_measures import net_measures
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.training.evidence import place_of
 from horizon_dl.training.run_folder import Run, load_run
@@ -38,7 +38,9 @@ def load_run_predictor(folder: Path) -> RunPredictor:
 def predict(run: Run, frame: Frame) -> Prediction:
     """Measures and obstacle map of one frame, with or without attitude."""
     view = any_view(frame, run.config.image.max_pixels)
-    return prediction_of(frame, view, net_measures(run.net, view.image, view.elevation > 0), run.threshold)
+    return prediction_of(
+        frame, view, EncodedImage(run.net, view.image).measures(view.elevation > 0), run.threshold
+    )
 
 
 def prediction_of(frame: Frame, view: View, found: Measures, threshold: float) -> Prediction:

@@ -21,14 +21,14 @@ from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.models.build import build_net
-from horizon_dl.models.dropout import sample_p_above
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.quiet import quiet_logger
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evidence import EVIDENCE_FRAMES, training_evidence
 from horizon_dl.training.frame_store import FramePool, FrameStore
-from horizon_dl.training.half_resolution import half_resolution_frame
+from horizon_dl.training.half_resolution import guide_of, half_resolution_frame
 from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
 from horizon_dl.training.run_folder import Run
@@ -149,7 +149,7 @@ def _frame_maker(
     def make(view: View) -> TrainingFrame:
         if keeper is not None:
             keeper.check_stop()  # what was learned stands in the last checkpoint
-        return half_resolution_frame(view, config, guide)
+        return half_resolution_frame(view, config, None if guide is None else guide_of(guide))
 
     return make
 
@@ -253,7 +253,7 @@ def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]
     config = store.config
     frames = (
         (
-            binary_entropy(sample_p_above(net, view.image).mean(axis=0)),
+            binary_entropy(EncodedImage(net, view.image).samples().mean(axis=0)),
             labelled_pixels(view.elevation, config.labels.band_rad),
         )
         for view in store.views(evenly(indices, MOST_FRAMES))

@@ -15,15 +15,15 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View, any_view
 from horizon_dl.models.build import build_net
-from horizon_dl.models.dropout import sample_p_above, single_pass_p_above
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.models.net_measures import net_measures
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.crops import Batch, draw_batch
 from horizon_dl.training.evidence import training_evidence
 from horizon_dl.training.half_resolution import (
     doubled,
+    guide_of,
     half_elevation,
     half_resolution_frame,
     half_resolution_target,
@@ -71,6 +71,8 @@ class OnlineLearner:
         self.frames = 0
         self.dropped = 0
         self._taken = 0
+        self._seen: tuple[Frame, View] | None = None
+        self._last: tuple[NDArray[np.uint8], int, EncodedImage] | None = None
         self._rng = np.random.default_rng(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
@@ -93,15 +95,15 @@ class OnlineLearner:
         A frame without attitude is predicted, too; its surprisal means nothing.
         """
         view = self._view(seen)
-        return net_measures(self.net, view.image, view.elevation > 0)
+        return self._encoded(view.image).measures(view.elevation > 0)
 
     def p_above_samples(self, view: View) -> Map:
         """`p_above` under each dropout mask, (samples, h, w) in [0, 1]."""
-        return sample_p_above(self.net, view.image)
+        return self._encoded(view.image).samples()
 
     def single_pass(self, view: View) -> Map:
         """`p_above` without dropout, (1, h, w) in [0, 1]."""
-        return single_pass_p_above(self.net, view.image)
+        return self._encoded(view.image).single_pass()
 
     def learn(self, seen: View | Frame) -> float:
         """Learn from a frame and from remembered ones.
@@ -118,14 +120,16 @@ class OnlineLearner:
         So a prediction that is urgent can come between two steps. No checkpoint may.
         """
         view = self._view(seen)
-        guide = self.net if self.frames >= FIRST_GUIDED_FRAME else None
+        guide = self._guide if self.frames >= FIRST_GUIDED_FRAME else None
         newest = half_resolution_frame(view, self.config, guide)
         if not newest.valid_mask.any():
             return
         self.memory.add(newest, half_elevation(view.elevation), UNGUIDED if guide is None else self.frames)
         if guide is not None and self.frames % RENEWAL_FRAMES == 0:
+            # Other images than the newest: what was asked of that stays at hand.
+            anew = guide_of(self.net)
             self.memory.renew(
-                self.frames, lambda *old: half_resolution_target(old[0], old[1], self.config, guide)
+                self.frames, lambda *old: half_resolution_target(old[0], old[1], self.config, anew)
             )
         settings = self.config.online
         early = self.frames < settings.warm_up_frames
@@ -181,6 +185,7 @@ class OnlineLearner:
     def restore(self, snapshot: Snapshot) -> None:
         """Go on from a snapshot of a learner with the same configuration."""
         own = snapshot.part("learner")
+        self._seen = self._last = None
         self._net.load_state_dict(_starting(own.tensors, "net."))
         self._average.load_state_dict(_starting(own.tensors, "average."))
         states: dict[int, dict[str, Tensor]] = {}
@@ -194,7 +199,21 @@ class OnlineLearner:
         self.memory.restore(snapshot.part("memory"))
 
     def _view(self, seen: View | Frame) -> View:
-        return seen if isinstance(seen, View) else any_view(seen, self.config.image.max_pixels)
+        if isinstance(seen, View):
+            return seen
+        if self._seen is None or self._seen[0] is not seen:
+            self._seen = (seen, any_view(seen, self.config.image.max_pixels))
+        return self._seen[1]
+
+    def _encoded(self, image: NDArray[np.uint8]) -> EncodedImage:
+        """One pass of the encoder serves all that is asked of an image until the next step."""
+        last = self._last
+        if last is None or last[0] is not image or last[1] != self._taken:
+            self._last = last = (image, self._taken, EncodedImage(self.net, image))
+        return last[2]
+
+    def _guide(self, image: NDArray[np.uint8], size: tuple[int, ...]) -> Map:
+        return self._encoded(image).of_all_depths(size)
 
     def _learning_rate(self) -> float:
         """High at first, then as one over the number of steps, to a floor."""
@@ -236,7 +255,7 @@ class OnlineLearner:
 def remembered_threshold(net: HorizonFCN, frames: Sequence[CompressedFrame], config: Config) -> float:
     """The paper's threshold, bits: a percentile of a net's entropies on remembered frames."""
     entropies = (
-        (binary_entropy(sample_p_above(net, frame.image).mean(axis=0)), frame.valid_mask)
+        (binary_entropy(EncodedImage(net, frame.image).samples().mean(axis=0)), frame.valid_mask)
         for frame in map(unpack, frames)
     )
     return paper_threshold(entropies, config.threshold.percentile)
