@@ -16,7 +16,7 @@ def test_the_file_earns_what_the_run_earns(data_dir, tmp_path, name):
     assert main(["export", run, "--out", str(model), "--data", data]) == 0
     found = []
     for learner in (run, str(model / "model.onnx")):
-        assert main(["evaluate", learner, data, "--out", str(tmp_path / "eval")]) == 0
+        assert main(["evaluate", learner, data, "--out", str(tmp_path / "eval"), "--overwrite"]) == 0
         found.append(json.loads((tmp_path / "eval" / "metrics.json").read_text())["methods"]["cnn"])
     of_run, of_file = found
     for score, figures in of_file["scores"].items():
