@@ -1,7 +1,7 @@
 """A model without a net: floor below the horizon, nothing on it."""
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,8 @@ ANY_PLACE = Place(
 
 class FlatModel:
     """Sees free floor everywhere."""
+
+    card: ClassVar[dict[str, Any]] = {}
 
     threshold = 0.5
     place: Place | None = ANY_PLACE

@@ -73,9 +73,13 @@ def test_a_replay_reaches_the_peer(flight: Path, model: None, tmp_path: Path, ca
 
 def test_sigterm_ends_the_flight_in_order(flight: Path, model: None, capsys: Any) -> None:
     before = signal.getsignal(signal.SIGTERM)
-    threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGTERM)).start()
+    timer = threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGTERM))
+    timer.start()
     start = time.monotonic()
-    fly.run(parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:9", "--loop"))
+    try:
+        fly.run(parsed("m", "--source", str(flight), "--mavlink", "udpout:127.0.0.1:9", "--loop"))
+    finally:
+        timer.cancel()  # a flight that failed before must not take the tests along
     assert time.monotonic() - start < 5
     assert "looked at" in capsys.readouterr().out
     assert signal.getsignal(signal.SIGTERM) == before
