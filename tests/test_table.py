@@ -22,6 +22,7 @@ METRICS = {
                     "auc_within_depression": 0.91,
                     "auc_within_depression_sd": 0.0,
                     "ap": 0.8,
+                    "fpr90": 0.15,
                     "fpr95": 0.25,
                     "best_f1": 0.7,
                 },
@@ -46,7 +47,7 @@ METRICS = {
 
 def test_rows_of_methods_and_scores() -> None:
     rows = metrics_rows(METRICS)
-    assert rows[0] == ["CNN", "entropy", "0.931 ± 0.004", "0.910", "0.800", "0.250", "0.700"]
+    assert rows[0] == ["CNN", "entropy", "0.931 ± 0.004", "0.910", "0.800", "0.150", "0.250", "0.700"]
     assert rows[1][:4] == ["", "mutual information", "0.800", "-"]
     assert rows[2][:4] == ["position alone", "", "0.930", "0.500"]
 

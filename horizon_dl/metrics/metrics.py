@@ -9,7 +9,7 @@ from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.roc import RocAccumulator
 
 SCHEMA = 1
-FIGURES = ("auc", "auc_within_depression", "ap", "fpr95", "best_f1")
+FIGURES = ("auc", "auc_within_depression", "ap", "fpr90", "fpr95", "best_f1")
 
 
 def mean_and_spread(name: str, values: Sequence[float | None]) -> dict[str, float | None]:

@@ -21,7 +21,8 @@ class RocResult:
         auc: probability that an obstacle pixel scores above a floor pixel, ties half.
         auc_within_depression: the same over pairs within the same degree of depression only.
         ap: average precision, the sum of precision times gain in recall.
-        fpr95: false-positive rate at the first threshold with a true-positive rate of 95 % or more.
+        fpr90: false-positive rate at the first threshold with a true-positive rate of 90 % or more.
+        fpr95: the same at 95 %.
         best_f1: best F1 over all thresholds.
         positives: obstacle pixels.
         negatives: floor pixels.
@@ -30,6 +31,7 @@ class RocResult:
     auc: float | None
     auc_within_depression: float | None
     ap: float | None
+    fpr90: float | None
     fpr95: float | None
     best_f1: float | None
     positives: int
@@ -92,13 +94,14 @@ class RocAccumulator:
         positives, negatives = int(obstacle.sum()), int(floor.sum())
         within = _auc(self.counts[:, 0], self.counts[:, 1])
         if not positives or not negatives:
-            return RocResult(None, within, None, None, None, positives, negatives)
+            return RocResult(None, within, None, None, None, None, positives, negatives)
         tp, fp = _descending(obstacle), _descending(floor)
         precision = tp / np.maximum(tp + fp, 1)
         return RocResult(
             auc=_auc(floor[None], obstacle[None]),
             auc_within_depression=within,
             ap=float(np.sum(np.diff(tp, prepend=0) * precision) / positives),
+            fpr90=float(fp[np.argmax(tp >= 0.90 * positives)] / negatives),
             fpr95=float(fp[np.argmax(tp >= 0.95 * positives)] / negatives),
             best_f1=float(np.max(2 * tp / (tp + fp + positives))),
             positives=positives,

@@ -7,6 +7,7 @@ FIGURES = {
     "auc": "AUC",
     "auc_within_depression": "AUC within depression",
     "ap": "AP",
+    "fpr90": "FPR90",
     "fpr95": "FPR95",
     "best_f1": "best F1",
 }

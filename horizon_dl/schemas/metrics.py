@@ -15,6 +15,7 @@ class ScoreFigures(Part):
     auc: Figure
     auc_within_depression: Figure
     ap: Figure
+    fpr90: Figure = None
     fpr95: Figure
     best_f1: Figure
 
