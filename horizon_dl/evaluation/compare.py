@@ -25,6 +25,7 @@ from horizon_dl.methods.learners import (
     Method,
     NetMethod,
     NetStream,
+    QuickForest,
     StreamLearner,
     fit_forest,
 )
@@ -90,7 +91,7 @@ def compare(
     store = FrameStore(recording, config)
     run_seed = _prequential if protocol == "prequential" else _offline
     accumulators: dict[str, list[MethodAccumulator]] = {name: [] for name in LEARNERS}
-    ranging = RangingBlock(recording.headers)
+    ranging = RangingBlock(recording.headers, config.ranging_params)
     watch = watching(ranging, on_frame)
     nets: list[HorizonFCN] = []
     for number, seed in enumerate(seeds):
@@ -137,7 +138,7 @@ def _offline(
     net_s = time.perf_counter() - start
     forest = fit_forest(store, split.train, seed, workers)
     forest_s = time.perf_counter() - start - net_s
-    methods: dict[str, Method] = {NET: NetMethod(net), FOREST: forest}
+    methods: dict[str, Method] = {NET: NetMethod(net, config.geodesic), FOREST: forest}
     thresholds = {
         NET: entropy_threshold(net, store, split.train),
         FOREST: _forest_threshold(forest, store, split.train, workers),
@@ -153,7 +154,7 @@ def _forest_threshold(
     forest: ForestMethod, store: FrameStore, indices: Sequence[int], workers: Workers
 ) -> float:
     band_rad = store.config.labels.band_rad
-    readings = read_frames({FOREST: forest}, store, evenly(indices, MOST_FRAMES), workers)
+    readings = read_frames({FOREST: QuickForest(forest)}, store, evenly(indices, MOST_FRAMES), workers)
     frames = (
         (reading.maps[FOREST]["entropy"], labelled_pixels(reading.view.elevation, band_rad))
         for reading in readings
@@ -190,7 +191,7 @@ def _prequential(
 def _baselines(
     store: FrameStore, test: Sequence[int], progress: bool, workers: Workers
 ) -> dict[str, MethodAccumulator]:
-    readings = read_frames(training_free_methods(), store, test, workers)
+    readings = read_frames(training_free_methods(store.config.geodesic), store, test, workers)
     bar = _bar(readings, "baselines", len(test), progress)
     return accumulate(bar, {}, store.config.labels.band_rad)
 

@@ -54,7 +54,7 @@ class ProgressiveValidation:
         names = tuple(methods)
         self.accumulators = {name: MethodAccumulator() for name in names}
         self.thresholds = {name: PaperThreshold(config.threshold.percentile) for name in names}
-        self.ranging = RangingBlock(headers)
+        self.ranging = RangingBlock(headers, config.ranging_params)
         self.tested = 0
         self._band_rad = config.labels.band_rad
         self._ranged = ranged

@@ -63,6 +63,13 @@ class Judge:
     _motion: MotionWatch = field(default_factory=MotionWatch)
     _proved_s: float = -np.inf
 
+    def __post_init__(self) -> None:
+        self._motion.limits = self.limits
+
+    def follow(self, place: Place | None, limits: EvidenceLimits) -> None:
+        """Judge by what a fresh model file brings."""
+        self.place, self.limits, self._motion.limits = place, limits, limits
+
     def judge(
         self,
         time_s: float,

@@ -94,7 +94,7 @@ class OnlineFigures:
             return
         maps = {P_ABOVE: found.p_above, "entropy": found.entropy}
         if self.validation.scores(index, frame):
-            maps = score_maps(view, found, single_pass(view)[0])
+            maps = score_maps(view, found, single_pass(view)[0], self._config.geodesic)
             self._result = None
         self.validation.update(index, frame, view, {NET: maps})
 

@@ -93,7 +93,7 @@ class OnlineRun:
     ) -> None:
         self.source, self.config, self.folder = source, config, folder
         self.learner = OnlineLearner(config, config.seed)
-        self.guard = StreamGuard()
+        self.guard = StreamGuard(config.evidence)
         self.figures = OnlineFigures(config, source.headers if isinstance(source, Recording) else ())
         self.keeper = RunDirectory(folder, source, config, restart=restart, overwrite=overwrite)
         self.stopped = False

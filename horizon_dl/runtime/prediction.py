@@ -1,6 +1,6 @@
 """What a model says of a frame, be it a run folder's net, an exported file or a learner at work."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,6 +10,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View
 from horizon_dl.evidence.place import Place
+from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.uncertainty.measures import Measures
 from horizon_dl.uncertainty.obstacle_map import obstacle_map
 
@@ -28,6 +29,7 @@ class Prediction:
         obstacles: the score over the threshold, lone pixels removed.
         directions: (h, w, 3) unit rays, optical frame, NaN where not valid; None without a camera.
         place: limits for the evidence of free sectors; None where the model has none.
+        rules: by which it is ranged and judged.
     """
 
     view: View
@@ -36,6 +38,7 @@ class Prediction:
     obstacles: NDArray[np.bool_]
     directions: NDArray[np.float32] | None = None
     place: Place | None = None
+    rules: FlightRules = field(default_factory=FlightRules)
 
     @classmethod
     def of(

@@ -19,6 +19,7 @@ from horizon_dl.ranging.free_distance import (
 )
 from horizon_dl.ranging.heading import Heading, free_heading
 from horizon_dl.runtime.prediction import Prediction
+from horizon_dl.runtime.rules import FlightRules
 
 Vector = NDArray[np.float64] | tuple[float, float, float]
 
@@ -73,6 +74,7 @@ def range_frame(
     p_above: NDArray[np.float32],
     threshold: float,
     place: Place | None = None,
+    rules: FlightRules | None = None,
 ) -> Ranged | None:
     """Distances per bearing, and the free heading nearest to the optical axis; None without an attitude.
 
@@ -86,6 +88,7 @@ def range_frame(
         p_above: (h, w) a learner's.
         threshold: the learner's entropy threshold, bits.
         place: limits for the evidence; None asks for none, as for nets that are not flown.
+        rules: of ranging and evidence; the defaults if left out.
 
     Returns:
         None also where the camera looks straight up or down.
@@ -97,10 +100,13 @@ def range_frame(
         polar = polar_view(directions, up_cam, bearings=bearings_for(directions, OPTICAL_AXIS))
     except ValueError:
         return None
-    found = free_distances_from_p(p_above, polar, frame.height_m, floor_p=p_of_entropy(threshold))
+    rules = rules or FlightRules()
+    found = free_distances_from_p(
+        p_above, polar, frame.height_m, floor_p=p_of_entropy(threshold), rules=rules.ranging
+    )
     if place is not None:
         up = elevation(directions, frame.up_cam)
-        judge = Judge(frame.calibrated, place)
+        judge = Judge(frame.calibrated, place, rules.evidence)
         judged = judge.judge_picture(frame.time_s, frame.image, p_above, up, found, polar)
         found = no_distances(found.bearing_rad) if judged.reasons else judged.found
     return ranged(found, up_cam, DRONE if frame.floor_up_cam is None else CAR)
@@ -122,4 +128,6 @@ def ranges_of(frame: Frame, prediction: Prediction) -> Ranged | None:
     if prediction.directions is None or np.isnan(prediction.view.elevation).all():
         return None
     measures, threshold = prediction.measures, prediction.threshold
-    return range_frame(frame, prediction.directions, measures.p_above, threshold, prediction.place)
+    return range_frame(
+        frame, prediction.directions, measures.p_above, threshold, prediction.place, prediction.rules
+    )
