@@ -58,7 +58,7 @@ def evaluate(
     ranging = RangingBlock(recording.headers, run.config.ranging_params)
     watch = watching(ranging, on_frame, learner)
     thresholds, band_rad = {learner: run.threshold}, run.config.labels.band_rad
-    found = accumulate(bar, thresholds, band_rad, watch)
+    found = accumulate(bar, thresholds, band_rad, watch, {learner: run.place})
     found[learner].train_s = float(run.info.get("train_s", 0.0))
     accumulators = {name: [accumulator] for name, accumulator in found.items()}
     rule = run.info["threshold_rule"]

@@ -42,6 +42,11 @@ class Judged:
     horizon_accuracy: float = float("nan")
     strangeness: float = float("nan")
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why the frame is not believed, or else some of its sectors."""
+        return tuple(str(reason) for reason in self.reasons or self.sectors)
+
 
 @dataclass
 class Judge:

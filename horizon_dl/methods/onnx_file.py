@@ -12,6 +12,7 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
+from horizon_dl.evidence.place import Place
 from horizon_dl.methods.registry import NET
 from horizon_dl.methods.scores import fused_score
 from horizon_dl.runtime.model import ObstacleModel
@@ -56,6 +57,11 @@ class FileRun:
     def threshold(self) -> float:
         """Entropy above which a pixel counts as obstacle, bits."""
         return self.model.threshold
+
+    @property
+    def place(self) -> Place | None:
+        """Limits for its evidence."""
+        return self.model.place
 
 
 def load_file_run(path: Path) -> FileRun:

@@ -1,6 +1,6 @@
 """One frame ranged and a heading chosen: what a map means for a vehicle."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,8 @@ class Ranged:
         up_cam: (3,) the floor's normal in the optical frame.
         vehicle: whose heading.
         forward_cam: (3,) what bearing zero means.
+        doubts: why the frame, or some of its sectors, are unknown.
+        asked: whether evidence was asked for, as it is in flight.
     """
 
     found: FreeDistances
@@ -53,6 +55,8 @@ class Ranged:
     up_cam: NDArray[np.float64]
     vehicle: Vehicle = DRONE
     forward_cam: Vector = OPTICAL_AXIS
+    doubts: tuple[str, ...] = ()
+    asked: bool = True
 
     @property
     def has_metres(self) -> bool:
@@ -104,12 +108,15 @@ def range_frame(
     found = free_distances_from_p(
         p_above, polar, frame.height_m, floor_p=p_of_entropy(threshold), rules=rules.ranging
     )
+    doubts: tuple[str, ...] = ()
     if place is not None:
         up = elevation(directions, frame.up_cam)
         judge = Judge(frame.calibrated, place, rules.evidence)
         judged = judge.judge_picture(frame.time_s, frame.image, p_above, up, found, polar)
         found = no_distances(found.bearing_rad) if judged.reasons else judged.found
-    return ranged(found, up_cam, DRONE if frame.floor_up_cam is None else CAR)
+        doubts = judged.doubts
+    vehicle = DRONE if frame.floor_up_cam is None else CAR
+    return replace(ranged(found, up_cam, vehicle), doubts=doubts, asked=place is not None)
 
 
 def ranged(
@@ -125,7 +132,7 @@ def ranged(
 
 def ranges_of(frame: Frame, prediction: Prediction) -> Ranged | None:
     """`range_frame` of a prediction; None without camera or attitude."""
-    if prediction.directions is None or np.isnan(prediction.view.elevation).all():
+    if prediction.directions is None or not prediction.has_attitude:
         return None
     measures, threshold = prediction.measures, prediction.threshold
     return range_frame(
