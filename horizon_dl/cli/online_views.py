@@ -42,7 +42,7 @@ def status(online: "OnlineRun") -> dict[str, Any]:
     """The run's figures now, in words."""
     figures = online.figures
     pooled, within = figures.auc()
-    accuracy = figures.sides.horizon_accuracy
+    accuracy = figures.sides.compute()["horizon_accuracy"]
     reasons = ", ".join(f"{count} {reason}" for reason, count in figures.reasons.most_common())
     return {
         "frames": f"{figures.seen} seen, {figures.learned} learned from",

@@ -31,7 +31,7 @@ from horizon_dl.methods.learners import (
 )
 from horizon_dl.methods.registry import FOREST, LEARNERS, NET
 from horizon_dl.methods.training_free import training_free_methods
-from horizon_dl.metrics.accumulators import MethodAccumulator
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN

@@ -15,9 +15,10 @@ from horizon_dl.errors import FrameError
 from horizon_dl.evidence.place import Place
 from horizon_dl.methods.learners import Method
 from horizon_dl.methods.registry import NET
-from horizon_dl.metrics.accumulators import MethodAccumulator, scored_pixels
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.obstacle_height import by_height
 from horizon_dl.metrics.ranging_block import RangingBlock
+from horizon_dl.metrics.scored_pixels import scored_pixels
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.workers import Workers
@@ -116,13 +117,8 @@ def count_frame(accumulators: Mapping[str, MethodAccumulator], scored: ScoredFra
         **by_height(scored.frame, pixels),
     }
     for name, maps in scored.maps.items():
-        accumulator = accumulators[name]
-        if P_ABOVE in maps:
-            accumulator.add_sides(scored.view, maps[P_ABOVE], band_rad)
-        accumulator.add_scores(maps, pixels, others)
-        if name in scored.thresholds:
-            accumulator.threshold = scored.thresholds[name]
-            accumulator.add_obstacle_map(maps["entropy"], accumulator.threshold, pixels)
+        threshold = scored.thresholds.get(name)
+        accumulators[name].update(scored.view, maps, pixels, others, band_rad=band_rad, threshold=threshold)
 
 
 def watching(ranging: RangingBlock, on_frame: OnFrame | None, learner: str = NET) -> OnFrame:

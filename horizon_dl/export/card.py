@@ -57,12 +57,13 @@ OUTPUTS = {
     "the pixel really is on, the score that is flown; means nothing without up_cam",
     "elevation": "float32 (h, w), rad in [-pi/2, pi/2], positive above the horizon; NaN without up_cam and "
     "where the lens model gives no ray",
-    "obstacles": "uint8 (H, W): the paper's map, 1 where the entropy is over the threshold, without pixels that have no "
-    "obstacle among their 8 neighbours; nearest-pixel enlargement of the working size",
+    "obstacles": "uint8 (H, W): the paper's map, 1 where the entropy is over the threshold, without pixels "
+    "that have no obstacle among their 8 neighbours; nearest-pixel enlargement of the working size",
 }
 FLOWN = (
-    "Along each bearing, from the nearest ground up: free until the log odds of p_above rise over the floor's "
-    "level (config: contact, ranging), blocked from there on, unknown where evidence lacks (config: evidence)."
+    "Along each bearing, from the nearest ground up: free until the log odds of p_above rise over the "
+    "floor's level (config: contact, ranging), blocked from there on, unknown where evidence lacks (config: "
+    "evidence)."
 )
 LEFT_OUT = {
     "fused": "the path between the sure floor and the horizon is a search, no tensor operator",

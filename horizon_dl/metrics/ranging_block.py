@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame, FrameHeader
+from horizon_dl.metrics.metric import State, joined_states, part_of
 from horizon_dl.metrics.range_truth import level_ranges, true_obstacles
 from horizon_dl.metrics.ranging import RangingAccumulator
 from horizon_dl.ranging.free_distance import RangingParams, p_of_entropy
@@ -61,6 +62,20 @@ class RangingBlock:
             true_floor = self.accumulators["true_floor"]
             not_free, known = true_obstacles(frame, range_m, true_floor.bearings)
             true_floor.update(frame, not_free, range_m, known=known)
+
+    def merge(self, other: "RangingBlock") -> None:
+        """See `Metric`."""
+        for name, accumulator in self.accumulators.items():
+            accumulator.merge(other.accumulators[name])
+
+    def state(self) -> State:
+        """See `Metric`."""
+        return joined_states(self.accumulators)
+
+    def load(self, state: State) -> None:
+        """See `Metric`; of a block of the same recording."""
+        for name, accumulator in self.accumulators.items():
+            accumulator.load(part_of(state, name))
 
     def compute(self) -> dict[str, Any]:
         """Of all obstacles, with `connected` and `true_floor` beside them; see `RangingAccumulator`."""

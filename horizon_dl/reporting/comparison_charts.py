@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.evaluation.compare import Comparison
-from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.calibration_error import Reliability
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.roc import LOGIT_RANGE, RocAccumulator
 from horizon_dl.reporting.chart import Chart, Line
 from horizon_dl.reporting.conclusion import NO_LEARNING, headline_score
