@@ -44,7 +44,12 @@ EXTRA_OF = {
     "av": "logs",
     "rerun": "viz",
     "cryptography": "sign",
+    "distributed": "cluster",
+    "pyulog": "logs",
+    "rosbags": "logs",
+    "backports": "logs",
 }
+"""Extra by module, for those that are of another one than `train`."""
 OURS = "horizon_dl"
 
 

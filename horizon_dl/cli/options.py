@@ -102,7 +102,7 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="Dask cluster for features, forest and scoring; `local`: processes of this machine",
+        help="Dask cluster for features, forest and scoring (extra `cluster`); `local`: this machine",
     )
 
 
