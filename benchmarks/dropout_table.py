@@ -16,7 +16,7 @@ from torch import Tensor
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
-from horizon_dl.metrics.accumulators import MethodAccumulator
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metrics import method_metrics
 from horizon_dl.models.encoded import image_tensor
 from horizon_dl.models.fcn import HorizonFCN, enlarge

@@ -19,8 +19,9 @@ from tqdm import tqdm
 from horizon_dl.config import Config, load_config
 from horizon_dl.data.source import Recording
 from horizon_dl.evaluation.compare import split_recording
-from horizon_dl.metrics.accumulators import MethodAccumulator, scored_pixels
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.roc import RocResult
+from horizon_dl.metrics.scored_pixels import scored_pixels
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.readers.registry import open_recording

@@ -11,12 +11,9 @@ import argparse
 import json
 import os
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean, pstdev
-from typing import Any
-from unittest.mock import patch
 
 from nets import scored, set_names, trained_net
 
@@ -33,19 +30,26 @@ class Variant:
 
     Attributes:
         overrides: of the configuration.
-        costs: other constants of `horizon_dl.targets.geodesic`, by name.
     """
 
     overrides: Sequence[str] = ()
-    costs: Mapping[str, Any] = field(default_factory=dict)
 
 
-PLAIN = {"CHROMA": 1.0, "EDGE_POWER": 1.0, "EDGE_LIMIT": float("inf"), "BLUR": 0.0036, "LENGTH_COST": 0.02}
+PLAIN = tuple(
+    f"geodesic.{key}={value}"
+    for key, value in {
+        "chroma": 1.0,
+        "edge_power": 1.0,
+        "edge_limit": 1000.0,
+        "blur": 0.0036,
+        "length_cost": 0.02,
+    }.items()
+)
 VARIANTS = {
     "default": Variant(),
     "no pastes": Variant(("train.pastes=0",)),
     "six pastes": Variant(("train.pastes=6",)),
-    "plain path costs": Variant((), PLAIN),
+    "plain path costs": Variant(PLAIN),
     "crops of 128": Variant(("train.crop=128", "train.batch=9", "train.rounds=[150, 100, 200]")),
     "dropout .5": Variant(("model.dropout=0.5",)),
     "two rounds": Variant(("train.rounds=[150, 170]",)),
@@ -86,10 +90,7 @@ def measured(out: Path, variant: str, name: str, seed: int) -> dict[str, Pair]:
     if not path.exists():
         folder.mkdir(parents=True, exist_ok=True)
         chosen = VARIANTS[variant]
-        geodesic = "horizon_dl.targets.geodesic"
-        costs: dict[str, Any] = dict(chosen.costs)
-        with patch.multiple(geodesic, **costs) if chosen.costs else nullcontext():
-            net = trained_net(folder, name, seed, chosen.overrides)
+        net = trained_net(folder, name, seed, chosen.overrides)
         results = {
             score: roc.compute() for score, roc in scored(name, {"cnn": NetMethod(net)})["cnn"].rocs.items()
         }

@@ -16,7 +16,7 @@ from horizon_dl.errors import FrameError
 from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.evaluation.scoring import accumulate, read_frame
 from horizon_dl.methods.learners import Method
-from horizon_dl.metrics.accumulators import MethodAccumulator
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.readers.registry import open_recording

@@ -18,8 +18,8 @@ from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.evidence.sketch import LUMA
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.learners import Method, NetMethod, fit_forest
-from horizon_dl.metrics.accumulators import ScoredPixels, enlarged, scored_pixels
 from horizon_dl.metrics.roc import RocAccumulator
+from horizon_dl.metrics.scored_pixels import ScoredPixels, enlarged, scored_pixels
 from horizon_dl.reporting.table import format_markdown
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.train import evenly

@@ -1,6 +1,7 @@
 """The configuration: one tree of checked values, read from a commented YAML file."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import radians
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -9,9 +10,15 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from horizon_dl.config_file import builtin_config, keys_with_meaning
+from horizon_dl.config_section import AsSection
 from horizon_dl.data.safe_yaml import brief, parse_yaml, read_yaml
 from horizon_dl.errors import InputError, shortened
+from horizon_dl.evidence.limits import EvidenceLimits
 from horizon_dl.nearest_word import meant
+from horizon_dl.ranging.contact import ContactDetectorParams
+from horizon_dl.ranging.free_distance import RangingParams
+from horizon_dl.targets.geodesic_params import GeodesicParams
+from horizon_dl.vehicle.flight_params import FlightParams
 
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
 Positive = Annotated[float, Field(gt=0.0)]
@@ -117,12 +124,22 @@ class Config(Section):
     image: ImageConfig = ImageConfig()
     labels: LabelConfig = LabelConfig()
     target: TargetConfig = TargetConfig()
+    geodesic: Annotated[GeodesicParams, AsSection()] = GeodesicParams()
     model: ModelConfig = ModelConfig()
     train: TrainConfig = TrainConfig()
     trainer: TrainerConfig = TrainerConfig()
     online: OnlineConfig = OnlineConfig()
     forest: ForestConfig = ForestConfig()
     threshold: ThresholdConfig = ThresholdConfig()
+    contact: Annotated[ContactDetectorParams, AsSection()] = ContactDetectorParams()
+    ranging: Annotated[RangingParams, AsSection()] = RangingParams()
+    evidence: Annotated[EvidenceLimits, AsSection()] = EvidenceLimits()
+    flight: Annotated[FlightParams, AsSection()] = FlightParams()
+
+    @property
+    def ranging_params(self) -> RangingParams:
+        """`ranging` with `contact`: all that turns a frame into distances."""
+        return replace(self.ranging, rise=self.contact)
 
 
 def load_config(source: str | Path | None = None, overrides: Sequence[str] = ()) -> Config:
@@ -137,7 +154,15 @@ def load_config(source: str | Path | None = None, overrides: Sequence[str] = ())
     """
     where = str(source or "default")
     path = Path(where) if Path(where).suffix in {".yaml", ".yml"} else builtin_config(where)
-    tree = _read_yaml(path)
+    return _checked(where, _read_yaml(path), overrides)
+
+
+def changed_config(config: Config, overrides: Sequence[str]) -> Config:
+    """A config with dotted overrides on top; errors as of `load_config`."""
+    return _checked("config", config.model_dump(mode="json"), overrides) if overrides else config
+
+
+def _checked(where: str, tree: dict[str, Any], overrides: Sequence[str]) -> Config:
     for override in overrides:
         _put(tree, override)
     try:
@@ -180,6 +205,8 @@ def _first_problem(error: ValidationError) -> str:
     key = shortened(".".join(str(part) for part in detail["loc"]), 200)
     if detail["type"] == "extra_forbidden":
         return f"has no key '{key}'{meant(key, (name for name, _, _ in keys_with_meaning()))}"
+    if detail["type"] == "value_error":
+        return f"{key}: {detail['ctx']['error']}"
     if detail["type"] == "missing":
         return f"lacks the key '{key}'"
     return f"{key} = {brief(detail['input'])}: {detail['msg'][0].lower()}{detail['msg'][1:]}"

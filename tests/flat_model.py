@@ -13,6 +13,7 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.free_distance import FreeDistances, no_distances
+from horizon_dl.runtime.rules import FlightRules
 
 ANY_PLACE = Place(
     (-1e3,) * len(FEATURES),
@@ -31,6 +32,7 @@ class FlatModel:
 
     threshold = 0.5
     place: Place | None = ANY_PLACE
+    rules = FlightRules()
 
     def __init__(self, camera: Camera) -> None:
         self.camera = camera

@@ -9,7 +9,7 @@ from scene import scene
 from horizon_dl.config import load_config
 from horizon_dl.evaluation.compare import Comparison
 from horizon_dl.evaluation.scoring import ScoredFrame, count_frame
-from horizon_dl.metrics.accumulators import MethodAccumulator
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metrics import method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.reporting.comparison import write_comparison

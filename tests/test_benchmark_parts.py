@@ -14,7 +14,7 @@ from shade import lit_and_shaded
 from horizon_dl.config import ModelConfig
 from horizon_dl.data.frame import Frame
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.metrics.accumulators import scored_pixels
+from horizon_dl.metrics.scored_pixels import scored_pixels
 from horizon_dl.models.build import build_net
 
 

@@ -6,7 +6,7 @@ from horizon_dl.reporting.conclusion import conclusion
 def metrics(protocol="labelled-out", trained_on=None, **aucs):
     methods = {}
     for name, (pooled, within) in aucs.items():
-        score = "entropy" if name in ("cnn", "rf") else "score"
+        score = "surprisal" if name in ("cnn", "rf") else "score"
         methods[name] = {"scores": {score: {"auc": pooled, "auc_within_depression": within}}}
     return {"protocol": protocol, "data": "arena", "methods": methods, "trained_on": trained_on}
 
@@ -41,3 +41,16 @@ def test_where_it_was_trained_is_said() -> None:
 
 def test_without_truth_there_are_no_figures() -> None:
     assert "only pictures" in conclusion(metrics(cnn=(None, None)))
+
+
+def test_what_is_flown_is_named_with_the_papers_score_beside_it() -> None:
+    """The best figure is not the product's own where it is not flown."""
+    found = metrics(cnn=(0.9, 0.8), position=(0.8, 0.5))
+    scores = found["methods"]["cnn"]["scores"]
+    scores["entropy"] = {"auc": 0.88, "auc_within_depression": 0.79}
+    scores["fused"] = {"auc": 0.95, "auc_within_depression": 0.9}
+    words = conclusion(found)
+    assert "CNN, surprisal, the score that is flown: AUC 0.900 pooled, 0.800 within bands" in words
+    assert "entropy, the paper's: 0.880 and 0.790" in words
+    assert "fused, which is not flown: 0.950 and 0.900" in words
+    assert "best score" not in words

@@ -31,6 +31,7 @@ from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
 from horizon_dl.runtime.latency import Latencies
 from horizon_dl.runtime.perception import Perception, forward_in_camera, model_rays
+from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.sources.newest import NewestFrame
 from horizon_dl.vehicle.mavlink import Link, read_signing_key
 from horizon_dl.vehicle.obstacle_distance import UNKNOWN_CM
@@ -57,6 +58,7 @@ class WallModel:
     camera = CAMERA
     threshold = 0.5
     place = ANY_PLACE
+    rules = FlightRules()
 
     def __init__(self) -> None:
         self.fails = False

@@ -4,8 +4,8 @@ import pytest
 from horizon_dl.data.view import View, make_view
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.protocols import split_frames
-from horizon_dl.metrics.accumulators import enlarged, scored_pixels
 from horizon_dl.metrics.roc import RocAccumulator
+from horizon_dl.metrics.scored_pixels import enlarged, scored_pixels
 from horizon_dl.models.features import pixel_features
 from horizon_dl.models.forest import HorizonForest, draw_view_pixels
 from horizon_dl.readers.registry import open_recording

@@ -194,7 +194,14 @@ def test_a_recording_for_rerun(tmp_path: Path) -> None:
     sink.close()
     content = (tmp_path / "flight.rrd").read_bytes()
     assert content[:4] == b"RRF2"
-    for path in (b"camera/image", b"maps/uncertainty", b"body/distances", b"figures/nearest_m"):
+    for path in (
+        b"camera/image",
+        b"maps/flown",
+        b"maps/surprise",
+        b"maps/entropy",
+        b"body/distances",
+        b"figures/nearest_m",
+    ):
         assert path in content
     with pytest.raises(InputError, match=r"is no \.rrd file"):
         Rerun(str(tmp_path / "none" / "x.rrd"), "")

@@ -125,7 +125,9 @@ def test_maps_keep_their_missing_pixels() -> None:
 
 
 def row(name: str = "CNN") -> PanelRow:
-    return PanelRow(name, np.full((24, 32), 0.5), np.ones((24, 32)), V[:24, :32] > 20)
+    return PanelRow(
+        name, p_above=np.full((24, 32), 0.5), entropy=np.ones((24, 32)), obstacles=V[:24, :32] > 20
+    )
 
 
 def test_panel_has_a_cell_for_everything_and_white_margins() -> None:
@@ -148,10 +150,8 @@ def test_truth_moves_under_the_image_with_several_methods() -> None:
 
 
 def test_lit_uncertainty_shows_in_its_cell() -> None:
-    dark = frame_panel(
-        GREY, LEVEL, [PanelRow("", uncertainty=np.zeros((48, 64)))], cell_width=64, legend=False
-    )
-    lit = frame_panel(GREY, LEVEL, [PanelRow("", uncertainty=np.ones((48, 64)))], cell_width=64, legend=False)
+    dark = frame_panel(GREY, LEVEL, [PanelRow("", entropy=np.zeros((48, 64)))], cell_width=64, legend=False)
+    lit = frame_panel(GREY, LEVEL, [PanelRow("", entropy=np.ones((48, 64)))], cell_width=64, legend=False)
     changed = np.argwhere((dark != lit).any(axis=2))
     assert changed[:, 1].min() > 64
     assert len(changed) > 0.9 * 64 * 48

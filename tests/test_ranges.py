@@ -4,14 +4,28 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from flat_model import ANY_PLACE
+from scene import scene
 
 from horizon_dl.data.frame import Frame
+from horizon_dl.evaluation.scoring import ScoredFrame
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.ranging.free_distance import FreeDistances, free_distances, no_distances
+from horizon_dl.ranging.contact import ContactDetectorParams
+from horizon_dl.ranging.free_distance import (
+    FreeDistances,
+    Outcome,
+    RangingParams,
+    free_distances,
+    no_distances,
+)
 from horizon_dl.ranging.heading import Heading
-from horizon_dl.runtime.ranged import range_frame
+from horizon_dl.reporting.comparison_log import prediction_of
+from horizon_dl.runtime.ranged import range_frame, ranges_of
+from horizon_dl.runtime.rules import FlightRules
+from horizon_dl.visualization.film_picture import title_of
+from horizon_dl.visualization.flown import RANGES_TITLE, ranges_title, unknown_words
 from horizon_dl.visualization.panels import PanelRow, frame_panel
 from horizon_dl.visualization.range_picture import range_picture
 from horizon_dl.visualization.ranges import draw_ranges
@@ -62,10 +76,31 @@ def test_the_heading_is_a_blue_line_on_the_ground_only() -> None:
     assert drawn[150, u].tolist() == [255, 255, 255]
 
 
-def test_unknown_leaves_the_picture_but_for_the_horizon() -> None:
-    drawn = draw_ranges(WHITE, DIRECTIONS, UP, no_distances(Bearings(8, 0.1).centres_rad))
-    assert (drawn[130:] == 255).all()
-    assert (drawn[119] != 255).any()
+def test_unknown_ground_is_grey_and_hatched_with_its_reason() -> None:
+    green = np.full_like(WHITE, (90, 200, 60))
+    unknown = no_distances(Bearings(48, math.radians(1.25)).centres_rad)
+    drawn = draw_ranges(green, DIRECTIONS, UP, unknown).astype(int)
+    ground = drawn[130:]
+    assert (np.ptp(ground, axis=2) < 15).all()  # no colour is left
+    assert len(np.unique(ground[:, :, 0])) == 2  # stripes and what lies between them
+    assert (drawn[:110] == green[:110]).all()
+    assert (drawn[119] != green[119]).any()
+    said = draw_ranges(green, DIRECTIONS, UP, unknown, words="unknown: black").astype(int)
+    assert (said[:220] == drawn[:220]).all()
+    assert (said[225:] != drawn[225:]).any()
+
+
+def test_one_unknown_sector_beside_free_ones() -> None:
+    found = ranged()
+    outcome = found.outcome.copy()
+    outcome[24] = Outcome.UNKNOWN
+    nan = np.where(outcome == Outcome.UNKNOWN, np.nan, found.depression_rad).astype(np.float32)
+    drawn = draw_ranges(WHITE, DIRECTIONS, UP, replace(found, outcome=outcome, depression_rad=nan)).astype(
+        int
+    )
+    unknown, free = drawn[235, 161:165], drawn[235, 150:155]
+    assert (np.ptp(unknown, axis=1) < 15).all()
+    assert (free[:, 1] > free[:, 2] + 30).all()
 
 
 def test_metres_are_written_and_the_picture_may_be_smaller() -> None:
@@ -111,3 +146,38 @@ def test_a_car_needs_more_room_than_a_drone() -> None:
     assert car is not None
     blue = [int((one[200:, :, 2].astype(int) - one[200:, :, 0] > 50).sum()) for one in (drone, car)]
     assert blue[0] > 0 == blue[1]
+
+
+def test_what_is_drawn_asks_for_the_evidence_that_is_asked_for_in_flight() -> None:
+    """A white picture shows nothing: every bearing is unknown, and the picture says why."""
+    asked = range_frame(FRAME, DIRECTIONS, P_ABOVE, 0.3, ANY_PLACE)
+    assert asked is not None
+    assert asked.asked
+    assert "overexposed" in asked.doubts
+    assert (asked.found.outcome == Outcome.UNKNOWN).all()
+    assert unknown_words(asked).startswith("unknown: overexposed")
+    assert ranges_title(asked) == RANGES_TITLE
+    free_of_doubt = range_frame(FRAME, DIRECTIONS, P_ABOVE, 0.3)
+    assert free_of_doubt is not None
+    assert unknown_words(free_of_doubt) == ""
+    assert "no evidence" in ranges_title(free_of_doubt)
+
+
+def test_a_comparison_draws_a_method_with_the_evidence_it_would_be_flown_with() -> None:
+    frame, prediction = scene()
+    found = vars(prediction.measures)
+    white = replace(frame, image=np.full_like(frame.image, 255))
+    scored = ScoredFrame(white, prediction.view, {"cnn": found}, {"cnn": 0.5}, {"cnn": ANY_PLACE})
+    ranges = ranges_of(white, prediction_of(scored, "cnn"))
+    assert ranges is not None
+    assert "overexposed" in title_of(ranges)
+
+
+def test_ranging_rules_reach_what_is_drawn() -> None:
+    frame, prediction = scene()
+    strict = FlightRules(RangingParams(rise=ContactDetectorParams(rise=5.0)))
+    usual, never = (ranges_of(frame, replace(prediction, rules=one)) for one in (FlightRules(), strict))
+    assert usual is not None
+    assert never is not None
+    assert (usual.found.outcome == Outcome.OBSTACLE).any()
+    assert not (never.found.outcome == Outcome.OBSTACLE).any()

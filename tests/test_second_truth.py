@@ -5,8 +5,8 @@ import pytest
 
 from horizon_dl.data.frame import Frame, RangeImage
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.metrics.accumulators import scored_pixels
 from horizon_dl.metrics.obstacle_height import CROSSING, LOW, UNKNOWN, by_height, obstacle_kinds
+from horizon_dl.metrics.scored_pixels import scored_pixels
 from horizon_dl.readers.registry import open_recording
 
 HEIGHT, WIDTH = 20, 640

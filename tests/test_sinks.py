@@ -60,7 +60,7 @@ def test_equal_stems_do_not_overwrite_each_other(tmp_path: Path) -> None:
     assert len(list((tmp_path / "p").rglob("*.jpg"))) == 4
     written = list((tmp_path / "a").rglob("*.npz"))
     assert len(written) == 4
-    assert np.load(written[0])["entropy"].shape == prediction.score.shape
+    assert np.load(written[0])["entropy"].shape == prediction.measures.entropy.shape
 
 
 def test_a_slow_viewer_holds_nobody_up() -> None:

@@ -4,14 +4,9 @@ import pytest
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.metrics.accumulators import (
-    Confusion,
-    MethodAccumulator,
-    ScoredPixels,
-    enlarged,
-    scored_pixels,
-)
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metrics import mean_and_spread, method_metrics
+from horizon_dl.metrics.scored_pixels import Confusion, ScoredPixels, enlarged, scored_pixels
 
 CAMERA = Camera("pinhole", 8, 8, 8.0, 8.0, 3.5, 3.5)
 

@@ -9,8 +9,6 @@ from scipy.sparse.csgraph import dijkstra
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
 from horizon_dl.targets.geodesic import (
-    BLUR,
-    CHROMA,
     confident_seeds,
     geodesic_target,
     horizon_distance,
@@ -20,6 +18,7 @@ from horizon_dl.targets.geodesic import (
     relative_geodesic_position,
     traversal_cost,
 )
+from horizon_dl.targets.geodesic_params import GEODESIC
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
 from horizon_dl.targets.targets import TARGETS, make_target
@@ -201,8 +200,10 @@ def test_the_step_cost_against_its_formula():
     """In float64 with OpenCV's Lab and blur."""
     image = noise_image(3, 60, 80)
     lab = cv2.cvtColor((image / 255).astype(np.float32), cv2.COLOR_RGB2LAB).astype(np.float64)
-    sigma = BLUR * np.sqrt(60 * 80)
-    smooth = cv2.GaussianBlur(lab * (1, CHROMA, CHROMA), (0, 0), sigma, borderType=cv2.BORDER_REFLECT)
+    sigma = GEODESIC.blur * np.sqrt(60 * 80)
+    smooth = cv2.GaussianBlur(
+        lab * (1, GEODESIC.chroma, GEODESIC.chroma), (0, 0), sigma, borderType=cv2.BORDER_REFLECT
+    )
     down, right = np.gradient(smooth, axis=(0, 1))
     gradient = np.sqrt((down**2 + right**2).sum(-1))
     inner = (slice(4, -4), slice(4, -4))
@@ -315,7 +316,7 @@ def test_learned_edges_are_dear():
     flat, elevation = np.full((60, 80, 3), 128, np.uint8), level_elevation(60, 80)
     p_above = np.full((60, 80), 0.1, np.float32)
     p_above[:, 40:] = 0.6
-    blur_px = BLUR * np.sqrt(60 * 80) / 2
+    blur_px = GEODESIC.blur * np.sqrt(60 * 80) / 2
     odds = cv2.GaussianBlur(
         np.log(p_above / (1 - p_above)).astype(np.float64), (0, 0), blur_px, borderType=cv2.BORDER_REFLECT
     )

@@ -44,7 +44,12 @@ EXTRA_OF = {
     "av": "logs",
     "rerun": "viz",
     "cryptography": "sign",
+    "distributed": "cluster",
+    "pyulog": "logs",
+    "rosbags": "logs",
+    "backports": "logs",
 }
+"""Extra by module, for those that are of another one than `train`."""
 OURS = "horizon_dl"
 
 
@@ -114,19 +119,28 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
 
         argcomplete.autocomplete(parser)
     parsed = parser.parse_args(plain)
-    if overrides and not hasattr(parsed, "config"):
-        parser.error(f"{parsed.verb} takes no config values: --{overrides[0]}")
+    for override in () if hasattr(parsed, "config") else overrides:
+        sections = getattr(parsed, "sections", ())
+        if override.partition(".")[0] not in sections:
+            taken = f"no config values but those of {', '.join(sections)}" if sections else "no config values"
+            parser.error(f"{parsed.verb} takes {taken}: --{override}")
     parsed.overrides = overrides
     return parsed
 
 
 def _keys(parser: argparse.ArgumentParser) -> str | None:
-    """Every dotted key with its meaning, for the help of verbs with a config."""
-    if parser.get_default("config") is None and not any(a.dest == "config" for a in parser._actions):
+    """Every dotted key that a verb takes with its meaning, for its help."""
+    sections = parser.get_default("sections")
+    takes_all = any(action.dest == "config" for action in parser._actions)
+    if not (takes_all or sections):
         return None
     from horizon_dl.config_file import keys_with_meaning
 
-    lines = [f"  --{key} {value}\n      {meaning}" for key, value, meaning in keys_with_meaning()]
+    lines = [
+        f"  --{key} {value}\n      {meaning}"
+        for key, value, meaning in keys_with_meaning()
+        if takes_all or key.partition(".")[0] in sections
+    ]
     return "\n".join(["values of the config:", *lines])
 
 

@@ -55,6 +55,7 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.reporting.comparison import write_comparison
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
+    from horizon_dl.training.predict import flight_rules
     from horizon_dl.workers import open_workers
 
     split = split_recording(recording, arguments.protocol)
@@ -64,7 +65,7 @@ def run(arguments: argparse.Namespace) -> None:
         output_folder(arguments.out, "compare", overwrite=arguments.overwrite) as folder,
         open_workers(arguments.scheduler) as workers,
     ):
-        log = ComparisonLog(folder, len(split.test), ResultNames(names))
+        log = ComparisonLog(folder, len(split.test), ResultNames(names), flight_rules(config))
         result = compare(
             recording, config, arguments.protocol, seeds, on_frame=log, progress=True, workers=workers
         )

@@ -42,13 +42,14 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
     from horizon_dl.simulation.embedded import embedded_set
+    from horizon_dl.training.predict import flight_rules
 
     recording = with_truth_of_every(3, open_recording(embedded_set()))
     split = split_recording(recording, "prequential")
     print(f"learning online from {len(split.train)} frames of the simulated arena, forest beside it")
     names = [one.name for one in recording.headers]
     with output_folder(arguments.out, "demo", overwrite=arguments.overwrite) as folder:
-        log = ComparisonLog(folder, len(split.test), ResultNames(names))
+        log = ComparisonLog(folder, len(split.test), ResultNames(names), flight_rules(config))
         result = compare(recording, config, "prequential", [config.seed], on_frame=log, progress=True)
         write_comparison(folder, "Demo: the simulated arena, learned online", result, log, config)
         tried = export_and_try(learned_run(result, recording, config), recording, folder)

@@ -33,6 +33,7 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.reporting.comparison import write_comparison
     from horizon_dl.reporting.comparison_log import ComparisonLog
     from horizon_dl.reporting.table import metrics_table
+    from horizon_dl.training.predict import flight_rules
     from horizon_dl.training.run_folder import load_run
     from horizon_dl.workers import open_workers
 
@@ -45,7 +46,7 @@ def run(arguments: argparse.Namespace) -> None:
         output_folder(arguments.out, "evaluate", overwrite=arguments.overwrite) as folder,
         open_workers(arguments.scheduler) as workers,
     ):
-        log = ComparisonLog(folder, labelled, ResultNames(names))
+        log = ComparisonLog(folder, labelled, ResultNames(names), flight_rules(trained.config))
         result = evaluate(trained, recording, on_frame=log, progress=True, workers=workers)
         title = f"{arguments.run_folder.name} on {recording.name}"
         write_comparison(folder, title, result, log, trained.config)

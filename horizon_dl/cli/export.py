@@ -9,14 +9,16 @@
 
 DIR then holds model.onnx, card.json and parity.json; further sizes are model-WxH.onnx, the forest is
 forest.onnx. A file takes the camera's image and attitude and gives probability, uncertainties and the
-obstacle map. The forest's file is used like the net's; it takes many times as long, and its card says so.
+obstacle map. It is flown by the sections contact, ranging, evidence and flight of the run's config;
+--contact.rise 0.9 and the like change them in the file. The forest's file is used like the net's; it takes
+many times as long, and its card says so.
 """
 
 import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from horizon_dl.cli.options import add_out
+from horizon_dl.cli.options import add_out, add_values
 
 if TYPE_CHECKING:
     from horizon_dl.config import Config
@@ -43,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sign", type=Path, metavar="KEY", help="sign the files with an Ed25519 private key (PEM)"
     )
     parser.add_argument("--format", metavar="NAME", help="format of DATA (recognised if left out)")
+    add_values(parser, "contact", "ranging", "evidence", "flight")
 
 
 def image_size(text: str) -> tuple[int, int]:
@@ -58,6 +61,9 @@ def run(arguments: argparse.Namespace) -> None:
     from horizon_dl.training.run_files import check_run_folder
 
     check_run_folder(arguments.run_folder)
+    from dataclasses import replace
+
+    from horizon_dl.config import changed_config
     from horizon_dl.errors import InputError
     from horizon_dl.export.export import export_run, parity_frames, trained_camera
     from horizon_dl.output import output_folder
@@ -68,6 +74,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.int8 and not arguments.data:
         raise InputError("--int8", "is chosen by measuring", "name a data set with --data")
     trained = load_run(arguments.run_folder)
+    trained = replace(trained, config=changed_config(trained.config, arguments.overrides))
     data = open_recording(arguments.data, arguments.format) if arguments.data else None
     if arguments.camera:
         camera = open_recording(arguments.camera, arguments.format).calibrated

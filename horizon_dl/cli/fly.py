@@ -14,17 +14,24 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import add_autopilot, add_given, check_autopilot, given, positive_int
+from horizon_dl.cli.options import (
+    add_autopilot,
+    add_given,
+    add_values,
+    check_autopilot,
+    given,
+    positive_int,
+)
 from horizon_dl.cli.viewers import add_viewers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from horizon_dl.data.frame import Frame
     from horizon_dl.data.source import FrameSource
     from horizon_dl.errors import FrameError
     from horizon_dl.runtime.flight_loop import FlightSettings
-
+    from horizon_dl.vehicle.flight_params import FlightParams
 
 AUTOPILOT, RECORDED = "autopilot", "recorded"
 
@@ -60,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--filter",
         type=positive_int,
         metavar="N",
-        help="frames joined (default: 3, or 1 with recorded attitude)",
+        help="frames joined (default: the model's, 3, or 1 with recorded attitude)",
     )
     parser.add_argument(
         "--connected-only",
@@ -81,6 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", type=Path, metavar="DIR", help="leave index.html, film.mp4 and flight.json there"
     )
+    add_values(parser, "flight")
     add_viewers(parser)
 
 
@@ -88,6 +96,7 @@ def run(arguments: argparse.Namespace) -> None:
     """Fly until the source ends, the time is over, Ctrl-C or SIGTERM; then print the figures."""
     import signal
     import time
+    from dataclasses import replace
 
     from horizon_dl.cli.flight_views import open_view
     from horizon_dl.errors import InputError
@@ -103,17 +112,21 @@ def run(arguments: argparse.Namespace) -> None:
 
     if arguments.out is not None and arguments.out.is_dir():
         raise InputError(f"--out {arguments.out}", "is a folder", "name a file, such as flight.json")
+    check_autopilot(arguments)
     source = _source(arguments)
     settings = _settings(arguments, source)
     trusted = None if arguments.trust is None else read_verifier(arguments.trust)
     model = HotReloadedModel.load(arguments.model, arguments.threads, trusted)
-    problem = not_airworthy(model.current)
+    settings = replace(settings, params=flight_params(model.rules.flight, arguments.overrides))
+    check_autopilot(arguments, settings.params.stale_s)
+    problem = not_airworthy(model.current, model.rules.evidence)
     if problem is not None:
         raise InputError(arguments.model, problem, "train longer and export again")
     if source.camera is not None:
         check_camera(model.current, source.camera, arguments.camera or source.name)
-    frames = arguments.filter or (1 if settings.recorded_attitude else 3)
-    perception = Perception.of(model, settings.mount_rpy_rad, frames)
+    params = settings.params
+    frames = arguments.filter or (1 if settings.recorded_attitude else params.filter_frames)
+    perception = Perception.of(model, settings.mount_rpy_rad, frames, params)
     perception.connected_only = arguments.connected_only
     link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
     flight = FlightLoop(perception, link, settings, time.monotonic)
@@ -141,6 +154,23 @@ def run(arguments: argparse.Namespace) -> None:
     _say(figures)
     if arguments.record:
         print(f"look at {arguments.record / 'index.html'}")
+
+
+def flight_params(own: "FlightParams", overrides: "Sequence[str]") -> "FlightParams":
+    """The model's values with `flight.key=value` on top; InputError for what cannot be."""
+    from horizon_dl.data.safe_yaml import parse_yaml
+    from horizon_dl.errors import InputError
+    from horizon_dl.params import read_params, values_of
+    from horizon_dl.vehicle.flight_params import FlightParams
+
+    values: dict[str, object] = dict(values_of(own))
+    try:
+        for override in overrides:
+            key, _, value = override.partition("=")
+            values[key.removeprefix("flight.")] = parse_yaml(value)
+        return read_params(FlightParams, values, "--flight")
+    except ValueError as error:
+        raise InputError("fly", str(error), "`horizon-dl fly --help` lists the values") from None
 
 
 def _source(arguments: argparse.Namespace) -> "FrameSource":
@@ -171,7 +201,6 @@ def _settings(arguments: argparse.Namespace, source: "FrameSource") -> "FlightSe
     from horizon_dl.runtime.perception import forward_in_camera
     from horizon_dl.vehicle.obstacle_distance import MessageShape
 
-    check_autopilot(arguments)
     known = _has_attitude(source, arguments)
     if arguments.attitude == RECORDED and not known:
         problem = "needs a recording with its attitude"

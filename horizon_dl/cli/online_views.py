@@ -42,7 +42,7 @@ def status(online: "OnlineRun") -> dict[str, Any]:
     """The run's figures now, in words."""
     figures = online.figures
     pooled, within = figures.auc()
-    accuracy = figures.sides.horizon_accuracy
+    accuracy = figures.sides.compute()["horizon_accuracy"]
     reasons = ", ".join(f"{count} {reason}" for reason, count in figures.reasons.most_common())
     return {
         "frames": f"{figures.seen} seen, {figures.learned} learned from",
@@ -65,7 +65,7 @@ def _lead(page: "Page", online: "OnlineRun") -> str:
         f"from, and learned from {figures.learned}."
     )
     if pooled is not None and within is not None:
-        words += f" AUC of its uncertainty {pooled:.3f} pooled, {within:.3f} within depression bands"
+        words += f" AUC of its entropy {pooled:.3f} pooled, {within:.3f} within depression bands"
         words += "." if within > 0.6 else ": within the bands hardly more than position alone."
     if online.stopped:
         words += " It was stopped; the same command goes on."

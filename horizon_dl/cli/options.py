@@ -5,6 +5,8 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from horizon_dl.vehicle.flight_params import FlightParams
+
 if TYPE_CHECKING:
     from horizon_dl.config import Config
     from horizon_dl.data.given import Given
@@ -66,6 +68,11 @@ def add_config(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", metavar="N", help="of the random numbers (default: the config's, 0)")
 
 
+def add_values(parser: argparse.ArgumentParser, *sections: str) -> None:
+    """Dotted options for these sections of the config alone, as they are in a trained run or a model."""
+    parser.set_defaults(sections=sections)
+
+
 def add_out(
     parser: argparse.ArgumentParser,
     default: Path | None = None,
@@ -95,7 +102,7 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",
-        help="Dask cluster for features, forest and scoring; `local`: processes of this machine",
+        help="Dask cluster for features, forest and scoring (extra `cluster`); `local`: this machine",
     )
 
 
@@ -116,17 +123,16 @@ def add_autopilot(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def check_autopilot(arguments: argparse.Namespace) -> None:
-    """InputError for values of `add_autopilot` that make no sense."""
+def check_autopilot(arguments: argparse.Namespace, stale_s: float = FlightParams.stale_s) -> None:
+    """InputError for values of `add_autopilot` that make no sense; `stale_s`: see `FlightParams`."""
     from horizon_dl.errors import InputError
-    from horizon_dl.runtime.watchdog import STALE_S
 
     if arguments.system > 255:
         raise InputError(f"--system {arguments.system}", "is no MAVLink system id", "take 1 to 255")
-    if not 0 <= arguments.camera_delay < STALE_S:
+    if not 0 <= arguments.camera_delay < stale_s:
         raise InputError(
             f"--camera-delay {arguments.camera_delay:g}",
-            f"is not from 0 to {STALE_S:g}",
+            f"is not from 0 to {stale_s:g}",
             "an older picture is of no use to a flying robot",
         )
 

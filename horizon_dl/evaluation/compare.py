@@ -25,15 +25,17 @@ from horizon_dl.methods.learners import (
     Method,
     NetMethod,
     NetStream,
+    QuickForest,
     StreamLearner,
     fit_forest,
 )
 from horizon_dl.methods.registry import FOREST, LEARNERS, NET
 from horizon_dl.methods.training_free import training_free_methods
-from horizon_dl.metrics.accumulators import MethodAccumulator
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.training.evidence import place_of
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.train import entropy_threshold, evenly, evidence_of, train_net
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
@@ -41,7 +43,8 @@ from horizon_dl.workers import SERIAL, Workers
 
 T = TypeVar("T")
 
-Learned = tuple[dict[str, MethodAccumulator], HorizonFCN]
+Learned = tuple[dict[str, MethodAccumulator], HorizonFCN, dict[str, Any]]
+"""Figures, the net, and what it says of its training frames (`evidence_of`; empty if not asked yet)."""
 
 
 @dataclass
@@ -90,12 +93,12 @@ def compare(
     store = FrameStore(recording, config)
     run_seed = _prequential if protocol == "prequential" else _offline
     accumulators: dict[str, list[MethodAccumulator]] = {name: [] for name in LEARNERS}
-    ranging = RangingBlock(recording.headers)
+    ranging = RangingBlock(recording.headers, config.ranging_params)
     watch = watching(ranging, on_frame)
-    nets: list[HorizonFCN] = []
+    nets: list[tuple[HorizonFCN, dict[str, Any]]] = []
     for number, seed in enumerate(seeds):
-        found, net = run_seed(store, split, seed, watch if number == 0 else None, progress, workers)
-        nets.append(net)
+        found, net, evidence = run_seed(store, split, seed, watch if number == 0 else None, progress, workers)
+        nets.append((net, evidence))
         for name, accumulator in found.items():
             accumulators[name].append(accumulator)
     accumulators |= {
@@ -103,7 +106,9 @@ def compare(
     }
     rule = PaperThreshold(config.threshold.percentile).rule
     methods = {name: method_metrics(found, rule) for name, found in accumulators.items()}
-    methods[NET]["self_assessment"] = evidence_of(nets[0], store, split.train)["self_assessment"]
+    net, evidence = nets[0]
+    evidence = evidence or evidence_of(net, store, split.train)
+    methods[NET]["self_assessment"] = evidence["self_assessment"]
     metrics = {
         "schema": SCHEMA,
         "data": recording.name,
@@ -113,7 +118,7 @@ def compare(
         "methods": methods,
         "ranging": ranging.compute(),
     }
-    return Comparison(metrics, accumulators, store.skipped, nets[0])
+    return Comparison(metrics, accumulators, store.skipped, net)
 
 
 def split_recording(recording: Recording, protocol: Protocol) -> Split:
@@ -137,23 +142,26 @@ def _offline(
     net_s = time.perf_counter() - start
     forest = fit_forest(store, split.train, seed, workers)
     forest_s = time.perf_counter() - start - net_s
-    methods: dict[str, Method] = {NET: NetMethod(net), FOREST: forest}
+    methods: dict[str, Method] = {NET: NetMethod(net, config.geodesic), FOREST: forest}
     thresholds = {
         NET: entropy_threshold(net, store, split.train),
         FOREST: _forest_threshold(forest, store, split.train, workers),
     }
     readings = read_frames(methods, store, split.test, workers)
     bar = _bar(readings, f"test, seed {seed}", len(split.test), progress)
-    accumulators = accumulate(bar, thresholds, config.labels.band_rad, on_frame)
+    # What is drawn is what would be flown, so the net's evidence is needed before the first frame.
+    evidence = evidence_of(net, store, split.train) if on_frame else {}
+    places = {NET: place_of(evidence, NET)}
+    accumulators = accumulate(bar, thresholds, config.labels.band_rad, on_frame, places)
     accumulators[NET].train_s, accumulators[FOREST].train_s = net_s, forest_s
-    return accumulators, net
+    return accumulators, net, evidence
 
 
 def _forest_threshold(
     forest: ForestMethod, store: FrameStore, indices: Sequence[int], workers: Workers
 ) -> float:
     band_rad = store.config.labels.band_rad
-    readings = read_frames({FOREST: forest}, store, evenly(indices, MOST_FRAMES), workers)
+    readings = read_frames({FOREST: QuickForest(forest)}, store, evenly(indices, MOST_FRAMES), workers)
     frames = (
         (reading.maps[FOREST]["entropy"], labelled_pixels(reading.view.elevation, band_rad))
         for reading in readings
@@ -184,13 +192,13 @@ def _prequential(
                 stream.learn(view)
     for name, stream in streams.items():
         validation.accumulators[name].train_s = stream.learn_s
-    return validation.accumulators, net.net
+    return validation.accumulators, net.net, {}
 
 
 def _baselines(
     store: FrameStore, test: Sequence[int], progress: bool, workers: Workers
 ) -> dict[str, MethodAccumulator]:
-    readings = read_frames(training_free_methods(), store, test, workers)
+    readings = read_frames(training_free_methods(store.config.geodesic), store, test, workers)
     bar = _bar(readings, "baselines", len(test), progress)
     return accumulate(bar, {}, store.config.labels.band_rad)
 

@@ -49,13 +49,16 @@ def evaluate(
             recording.name, "has no truth (labels/*.png)", "use `horizon-dl predict` for pictures"
         )
     learner = run.learner if isinstance(run, FileRun) else NET
-    methods: dict[str, Method] = {learner: _learner(run, recording), **training_free_methods()}
+    methods: dict[str, Method] = {
+        learner: _learner(run, recording),
+        **training_free_methods(run.config.geodesic),
+    }
     readings = _readings(methods, store, labelled, workers)
     bar = tqdm(readings, "evaluate", total=len(labelled), unit="frame", disable=not progress)
-    ranging = RangingBlock(recording.headers)
+    ranging = RangingBlock(recording.headers, run.config.ranging_params)
     watch = watching(ranging, on_frame, learner)
     thresholds, band_rad = {learner: run.threshold}, run.config.labels.band_rad
-    found = accumulate(bar, thresholds, band_rad, watch)
+    found = accumulate(bar, thresholds, band_rad, watch, {learner: run.place})
     found[learner].train_s = float(run.info.get("train_s", 0.0))
     accumulators = {name: [accumulator] for name, accumulator in found.items()}
     rule = run.info["threshold_rule"]
@@ -88,5 +91,5 @@ def _readings(
 def _learner(run: Run | FileRun, recording: Recording) -> Method:
     if isinstance(run, FileRun):
         check_camera(run.model, recording.calibrated, recording.name)
-        return FileMethod(run.model)
-    return NetMethod(run.net)
+        return FileMethod(run.model, run.config.geodesic)
+    return NetMethod(run.net, run.config.geodesic)

@@ -16,7 +16,7 @@ from horizon_dl.evaluation.protocols import WARM_UP_FRAMES
 from horizon_dl.evaluation.scoring import ScoredFrame, count_frame
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.registry import NET
-from horizon_dl.metrics.accumulators import MethodAccumulator
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.threshold import PaperThreshold
@@ -54,7 +54,7 @@ class ProgressiveValidation:
         names = tuple(methods)
         self.accumulators = {name: MethodAccumulator() for name in names}
         self.thresholds = {name: PaperThreshold(config.threshold.percentile) for name in names}
-        self.ranging = RangingBlock(headers)
+        self.ranging = RangingBlock(headers, config.ranging_params)
         self.tested = 0
         self._band_rad = config.labels.band_rad
         self._ranged = ranged

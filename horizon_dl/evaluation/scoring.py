@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,13 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
+from horizon_dl.evidence.place import Place
 from horizon_dl.methods.learners import Method
 from horizon_dl.methods.registry import NET
-from horizon_dl.metrics.accumulators import MethodAccumulator, scored_pixels
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.obstacle_height import by_height
 from horizon_dl.metrics.ranging_block import RangingBlock
+from horizon_dl.metrics.scored_pixels import scored_pixels
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.workers import Workers
@@ -43,12 +45,21 @@ class Reading:
 
 @dataclass(frozen=True)
 class ScoredFrame:
-    """One test frame as the methods saw it: score maps by method, and thresholds where a method has one."""
+    """One test frame as the methods saw it.
+
+    Attributes:
+        frame: with its truth, if there is one.
+        view: at the working size.
+        maps: score maps by method.
+        thresholds: the paper's, of the methods that have one.
+        places: limits for the evidence of the methods that have some, as they are flown with.
+    """
 
     frame: Frame
     view: View
     maps: Mapping[str, Mapping[str, Map]]
     thresholds: Mapping[str, float]
+    places: Mapping[str, Place] = field(default_factory=dict)
 
 
 OnFrame = Callable[[ScoredFrame], None]
@@ -83,11 +94,13 @@ def accumulate(
     thresholds: Mapping[str, float],
     band_rad: float,
     on_frame: OnFrame | None = None,
+    places: Mapping[str, Place | None] | None = None,
 ) -> dict[str, MethodAccumulator]:
-    """Count readings; thresholds belong to the entropy."""
+    """Count readings; thresholds belong to the entropy, places are for `on_frame`."""
     accumulators: dict[str, MethodAccumulator] = {}
+    known = {name: place for name, place in (places or {}).items() if place is not None}
     for reading in readings:
-        scored = ScoredFrame(reading.frame, reading.view, reading.maps, dict(thresholds))
+        scored = ScoredFrame(reading.frame, reading.view, reading.maps, dict(thresholds), known)
         for name, seconds in reading.seconds.items():
             accumulators.setdefault(name, MethodAccumulator()).add_time(seconds)
         count_frame(accumulators, scored, band_rad)
@@ -104,13 +117,8 @@ def count_frame(accumulators: Mapping[str, MethodAccumulator], scored: ScoredFra
         **by_height(scored.frame, pixels),
     }
     for name, maps in scored.maps.items():
-        accumulator = accumulators[name]
-        if P_ABOVE in maps:
-            accumulator.add_sides(scored.view, maps[P_ABOVE], band_rad)
-        accumulator.add_scores(maps, pixels, others)
-        if name in scored.thresholds:
-            accumulator.threshold = scored.thresholds[name]
-            accumulator.add_obstacle_map(maps["entropy"], accumulator.threshold, pixels)
+        threshold = scored.thresholds.get(name)
+        accumulators[name].update(scored.view, maps, pixels, others, band_rad=band_rad, threshold=threshold)
 
 
 def watching(ranging: RangingBlock, on_frame: OnFrame | None, learner: str = NET) -> OnFrame:

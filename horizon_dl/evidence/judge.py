@@ -42,6 +42,11 @@ class Judged:
     horizon_accuracy: float = float("nan")
     strangeness: float = float("nan")
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why the frame is not believed, or else some of its sectors."""
+        return tuple(str(reason) for reason in self.reasons or self.sectors)
+
 
 @dataclass
 class Judge:
@@ -62,6 +67,13 @@ class Judge:
     sectors: Counter[str] = field(default_factory=Counter)
     _motion: MotionWatch = field(default_factory=MotionWatch)
     _proved_s: float = -np.inf
+
+    def __post_init__(self) -> None:
+        self._motion.limits = self.limits
+
+    def follow(self, place: Place | None, limits: EvidenceLimits) -> None:
+        """Judge by what a fresh model file brings."""
+        self.place, self.limits, self._motion.limits = place, limits, limits
 
     def judge(
         self,

@@ -1,7 +1,8 @@
 """The limits of all evidence in one place, with the data on which they were chosen."""
 
-import math
 from dataclasses import dataclass
+
+from horizon_dl.params import angle_deg, setting
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,7 @@ class EvidenceLimits:
         frozen_turn_rad: a picture that stays although the camera turned by this much is frozen.
         compared_turn_rad: a smaller turn is hardly seen in a sketch.
         memory_s: for so long a picture is compared with an earlier one.
+        late_s: an attitude that is older than this belongs to another picture; not picked on data.
         band_rad: around the horizon, where no side is asked for.
         least_sky: share of the pixels on each side of the horizon that a horizon needs to be judged by.
         least_horizon_accuracy: balanced accuracy of the known side; one that says the same everywhere has
@@ -33,33 +35,41 @@ class EvidenceLimits:
         lost_share: share of a sector's claimed floor without any change from pixel to pixel.
         strange_share: share of a sector's claimed floor of colours that the training never saw below the
             horizon.
-        height_m: least and most height over the floor that a flight by sight can have.
+        least_height_m: height over the floor that a flight by sight has at least.
+        most_height_m: and at most.
         still_s: a live picture never stays the same for so long: a sensor has noise.
         climb_m_s: faster no height changes.
         turn_rad_s: faster no attitude changes.
     """
 
-    dark_level: int = 8
-    bright_level: int = 247
-    most_unusable: float = 0.9
-    least_contrast: float = 1.5
-    lost_channel_sd: float = 1.0
-    frozen_turn_rad: float = math.radians(0.3)
-    compared_turn_rad: float = math.radians(4.0)
-    memory_s: float = 0.5
-    band_rad: float = math.radians(3.0)
-    least_sky: float = 0.02
-    least_horizon_accuracy: float = 0.65
-    least_trained_accuracy: float = 0.75
-    horizon_margin: float = 0.05
-    proof_s: float = 2.0
-    strangeness: float = 0.35
-    lost_share: float = 0.1
-    strange_share: float = 0.3
-    height_m: tuple[float, float] = (0.03, 120.0)
-    still_s: float = 1.0
-    climb_m_s: float = 20.0
-    turn_rad_s: float = 15.0
+    dark_level: int = setting(8, 0, 255)
+    bright_level: int = setting(247, 0, 255)
+    most_unusable: float = setting(0.9, 0.0, 1.0)
+    least_contrast: float = setting(1.5, 0.0, 50.0)
+    lost_channel_sd: float = setting(1.0, 0.0, 50.0)
+    frozen_turn_rad: float = angle_deg(0.3, 0.01, 30.0)
+    compared_turn_rad: float = angle_deg(4.0, 0.1, 90.0)
+    memory_s: float = setting(0.5, 0.0, 10.0)
+    late_s: float = setting(0.1, 0.0, 2.0)
+    band_rad: float = angle_deg(3.0, 0.0, 30.0)
+    least_sky: float = setting(0.02, 0.0, 0.5)
+    least_horizon_accuracy: float = setting(0.65, 0.5, 1.0)
+    least_trained_accuracy: float = setting(0.75, 0.5, 1.0)
+    horizon_margin: float = setting(0.05, 0.0, 0.5)
+    proof_s: float = setting(2.0, 0.0, 60.0)
+    strangeness: float = setting(0.35, 0.0, 100.0)
+    lost_share: float = setting(0.1, 0.0, 1.0)
+    strange_share: float = setting(0.3, 0.0, 1.0)
+    least_height_m: float = setting(0.03, 0.001, 10.0)
+    most_height_m: float = setting(120.0, 0.1, 10000.0)
+    still_s: float = setting(1.0, 0.05, 60.0)
+    climb_m_s: float = setting(20.0, 0.1, 300.0)
+    turn_rad_s: float = setting(15.0, 0.1, 100.0)
+
+    @property
+    def height_m(self) -> tuple[float, float]:
+        """Least and most height."""
+        return self.least_height_m, self.most_height_m
 
 
 LIMITS = EvidenceLimits()

@@ -40,6 +40,19 @@ class SelfAssessment:
         self._below += int(below.sum())
         self._called_below += int((p_above[below] < 0.5).sum())
 
+    def merge(self, other: "SelfAssessment") -> None:
+        """Add everything that another one has counted."""
+        self._below += other._below
+        self._called_below += other._called_below
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """All that was counted, as arrays by name."""
+        return {"counts": np.array([self._below, self._called_below], np.int64)}
+
+    def load(self, state: dict[str, NDArray[Any]]) -> None:
+        """Take a state in place of what was counted."""
+        self._below, self._called_below = state["counts"].tolist()
+
     def compute(self) -> dict[str, Any]:
         """`sure_below`, the share (None before any pixel), and `verdict`: ok, doubtful, not to be trusted."""
         share = self._called_below / self._below if self._below else None

@@ -21,8 +21,8 @@ from horizon_dl.training.run_folder import Run, weights
 KIND = "horizon-dl obstacle model"
 WHAT = (
     "A small fully convolutional net that tells what lies above the horizon from what lies below it, trained "
-    "on labels that the attitude gives for free. It stays unsure about what stands on both sides: its "
-    "predictive entropy is the obstacle score (after arXiv:1806.08007)."
+    "on labels that the attitude gives for free. It stays unsure about what stands on both sides (after "
+    "arXiv:1806.08007)."
 )
 WHAT_FOREST = (
     "The random forest of arXiv:1806.08007 on colour, local binary pattern and Laws texture of single "
@@ -49,19 +49,24 @@ INPUTS = {
 OUTPUTS = {
     "p_above": "float32 (h, w) in [0, 1]: probability that the appearance belongs above the horizon, mean "
     "over the dropout samples",
-    "entropy": "float32 (h, w), bits in [0, 1]: predictive entropy of p_above, the obstacle score",
+    "entropy": "float32 (h, w), bits in [0, 1]: predictive entropy of p_above, the paper's obstacle score",
     "expected_entropy": "float32 (h, w), bits in [0, 1]: entropy less mutual information",
     "mutual_information": "float32 (h, w), bits in [0, 1]: disagreement of the dropout samples, computed on "
     "the net's coarse grid and enlarged, or of the forest's trees",
     "surprisal": "float32 (h, w), bits in [0, 126]: -log2 of the probability of the side of the horizon that "
-    "the pixel really is on; means nothing without up_cam",
+    "the pixel really is on, the score that is flown; means nothing without up_cam",
     "elevation": "float32 (h, w), rad in [-pi/2, pi/2], positive above the horizon; NaN without up_cam and "
     "where the lens model gives no ray",
-    "obstacles": "uint8 (H, W): 1 where the entropy is over the threshold, without pixels that have no "
-    "obstacle among their 8 neighbours; nearest-pixel enlargement of the working size",
+    "obstacles": "uint8 (H, W): the paper's map, 1 where the entropy is over the threshold, without pixels "
+    "that have no obstacle among their 8 neighbours; nearest-pixel enlargement of the working size",
 }
+FLOWN = (
+    "Along each bearing, from the nearest ground up: free until the log odds of p_above rise over the "
+    "floor's level (config: contact, ranging), blocked from there on, unknown where evidence lacks (config: "
+    "evidence)."
+)
 LEFT_OUT = {
-    "fused": "the way between the sure floor and the horizon is a shortest-path search, no tensor operator",
+    "fused": "the path between the sure floor and the horizon is a search, no tensor operator",
     "single_pass_entropy": "a baseline only; the net without dropout would cost a second last layer",
     "free distance": "ranging needs the height, which is no input of the image's graph",
 }
@@ -128,6 +133,7 @@ def _common(config: Config, camera: Camera, threshold: float, rule: str | None) 
         "working_size": list(working_size(camera.width, camera.height, config.image.max_pixels)),
         "inputs": INPUTS,
         "outputs": OUTPUTS,
+        "flown": FLOWN,
         "left_out": LEFT_OUT,
         "threshold": {
             "value": threshold,

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.view import View
+from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
 from horizon_dl.targets.targets import make_target
 from horizon_dl.uncertainty.measures import p_other_side
 
@@ -26,10 +27,10 @@ def diffusion_score(view: View) -> NDArray[np.float32]:
     return _other_side("guided", view)
 
 
-def geodesic_score(view: View) -> NDArray[np.float32]:
+def geodesic_score(view: View, paths: GeodesicParams = GEODESIC) -> NDArray[np.float32]:
     """How near the horizon is along paths through the image: 0.5 exp(-distance), at most 0.5."""
-    return _other_side("geodesic", view)
+    return _other_side("geodesic", view, paths)
 
 
-def _other_side(kind: str, view: View) -> NDArray[np.float32]:
-    return np.nan_to_num(p_other_side(make_target(kind, view), view.elevation > 0.0))
+def _other_side(kind: str, view: View, paths: GeodesicParams = GEODESIC) -> NDArray[np.float32]:
+    return np.nan_to_num(p_other_side(make_target(kind, view, params=paths), view.elevation > 0.0))

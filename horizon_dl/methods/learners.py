@@ -17,6 +17,7 @@ from horizon_dl.methods.scores import score_maps
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.forest import HorizonForest, draw_view_pixels
+from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.online.learner import OnlineLearner
 from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy, measures
@@ -61,10 +62,13 @@ class NetMethod:
     """A trained net with dropout at test time."""
 
     net: HorizonFCN
+    paths: GeodesicParams = GEODESIC
 
     def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
-        return _net_scores(self.net, view)
+        encoded = EncodedImage(self.net, view.image)
+        found = encoded.measures(view.elevation > 0)
+        return score_maps(view, found, encoded.single_pass()[0], self.paths)
 
 
 @dataclass(frozen=True)
@@ -72,10 +76,28 @@ class ForestMethod:
     """A fitted forest, whose trees are the samples."""
 
     forest: HorizonForest
+    paths: GeodesicParams = GEODESIC
 
     def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores but the single pass."""
-        return _forest_scores(self.forest, view)
+        found = measures(self.forest.p_above_samples(view), view.elevation > 0)
+        return score_maps(view, found, paths=self.paths)
+
+    def quick_maps(self, view: View) -> dict[str, Map]:
+        """`p_above` and `entropy` alone, without a path search."""
+        p_above = self.forest.p_above_samples(view).mean(axis=0)
+        return {P_ABOVE: p_above, "entropy": binary_entropy(p_above)}
+
+
+@dataclass(frozen=True)
+class QuickForest:
+    """A fitted forest that is asked for `p_above` and `entropy` alone, as for its threshold."""
+
+    forest: ForestMethod
+
+    def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
+        """See `ForestMethod.quick_maps`."""
+        return self.forest.quick_maps(view)
 
 
 def fit_forest(
@@ -87,7 +109,7 @@ def fit_forest(
     shared = (store.recording, config, per_frame)
     items = [(index, (seed, number)) for number, index in enumerate(indices)]
     drawn = list(store.usable(zip(indices, workers.map(_draw_entry, shared, items), strict=True)))
-    return ForestMethod(next(workers.map(_fit_drawn, (drawn, config), [seed])))
+    return ForestMethod(next(workers.map(_fit_drawn, (drawn, config), [seed])), config.geodesic)
 
 
 Drawn = tuple[NDArray[np.float32], NDArray[np.uint8]]
@@ -124,7 +146,8 @@ class NetStream:
 
     def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
-        return score_maps(view, self._learner.predict(view), self._learner.single_pass(view)[0])
+        found, single_pass = self._learner.predict(view), self._learner.single_pass(view)[0]
+        return score_maps(view, found, single_pass, self._learner.config.geodesic)
 
     def quick_maps(self, view: View) -> dict[str, Map]:
         """`p_above` and `entropy` alone."""
@@ -149,7 +172,7 @@ class ForestStream:
         self._seed = seed
         self._drawn: list[Drawn] = []
         self._frames = 0
-        self._forest: HorizonForest | None = None
+        self._forest: ForestMethod | None = None
         self.learn_s = 0.0
 
     @property
@@ -157,16 +180,15 @@ class ForestStream:
         """Whether it has been fitted once."""
         return self._forest is not None
 
-    def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
+    def score_maps(self, frame: Frame, view: View) -> dict[str, Map]:
         """All scores but the single pass."""
         assert self._forest is not None
-        return _forest_scores(self._forest, view)
+        return self._forest.score_maps(frame, view)
 
     def quick_maps(self, view: View) -> dict[str, Map]:
         """`p_above` and `entropy` alone."""
         assert self._forest is not None
-        p_above = self._forest.p_above_samples(view).mean(axis=0)
-        return {P_ABOVE: p_above, "entropy": binary_entropy(p_above)}
+        return self._forest.quick_maps(view)
 
     def learn(self, view: View) -> None:
         """Keep pixels of this frame; fit when it is time."""
@@ -178,17 +200,9 @@ class ForestStream:
         self._frames += 1
         if self._frames % REFIT_EVERY == 0:
             self._drawn = [_thinned(pixels, limit // self._frames) for pixels in self._drawn]
-            self._forest = _fit(self._drawn, self._config, self._seed)
+            fitted = _fit(self._drawn, self._config, self._seed)
+            self._forest = ForestMethod(fitted, self._config.geodesic)
         self.learn_s += time.perf_counter() - start
-
-
-def _net_scores(net: HorizonFCN, view: View) -> dict[str, Map]:
-    encoded = EncodedImage(net, view.image)
-    return score_maps(view, encoded.measures(view.elevation > 0), encoded.single_pass()[0])
-
-
-def _forest_scores(forest: HorizonForest, view: View) -> dict[str, Map]:
-    return score_maps(view, measures(forest.p_above_samples(view), view.elevation > 0))
 
 
 def _thinned(pixels: Drawn, count: int) -> Drawn:

@@ -12,9 +12,11 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
+from horizon_dl.evidence.place import Place
 from horizon_dl.methods.registry import NET
 from horizon_dl.methods.scores import fused_score
 from horizon_dl.runtime.model import ObstacleModel
+from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
 from horizon_dl.uncertainty.measures import P_ABOVE, p_other_side
 
 
@@ -23,6 +25,7 @@ class FileMethod:
     """A model file as a method of the evaluation; it has no single pass."""
 
     model: ObstacleModel
+    paths: GeodesicParams = GEODESIC
 
     def score_maps(self, frame: Frame, view: View) -> dict[str, NDArray[np.float32]]:
         """All scores; the file resizes the frame's image itself."""
@@ -33,7 +36,7 @@ class FileMethod:
             "expected_entropy": found.expected_entropy,
             "mutual_information": found.mutual_information,
             "surprisal": p_other_side(found.p_above, found.elevation > 0),
-            "fused": fused_score(view, found.p_above),
+            "fused": fused_score(view, found.p_above, self.paths),
         }
 
 
@@ -54,6 +57,11 @@ class FileRun:
     def threshold(self) -> float:
         """Entropy above which a pixel counts as obstacle, bits."""
         return self.model.threshold
+
+    @property
+    def place(self) -> Place | None:
+        """Limits for its evidence."""
+        return self.model.place
 
 
 def load_file_run(path: Path) -> FileRun:

@@ -22,8 +22,8 @@ class MethodInfo:
 
 
 METHODS = {
-    NET: MethodInfo("CNN", "entropy", learns=True),
-    FOREST: MethodInfo("forest", "entropy", learns=True),
+    NET: MethodInfo("CNN", "surprisal", learns=True),
+    FOREST: MethodInfo("forest", "surprisal", learns=True),
     DIFFUSION: MethodInfo("guided diffusion (no learning)", "score", learns=False),
     GEODESIC: MethodInfo("geodesic (no learning)", "score", learns=False),
     POSITION: MethodInfo("position alone", "score", learns=False),

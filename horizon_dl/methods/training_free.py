@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,9 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.methods import baselines
-from horizon_dl.methods.registry import DIFFUSION, GEODESIC, POSITION
+from horizon_dl.methods.registry import DIFFUSION, POSITION
+from horizon_dl.methods.registry import GEODESIC as GEODESIC_NAME
+from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
 
 Map = NDArray[np.float32]
 
@@ -25,10 +28,10 @@ class TrainingFree:
         return {"score": self.score(view)}
 
 
-def training_free_methods() -> dict[str, TrainingFree]:
-    """The baselines by the names they have in `metrics.json`."""
+def training_free_methods(paths: GeodesicParams = GEODESIC) -> dict[str, TrainingFree]:
+    """The baselines by the names they have in `metrics.json`; `paths`: what those of `geodesic` cost."""
     return {
         DIFFUSION: TrainingFree(baselines.diffusion_score),
-        GEODESIC: TrainingFree(baselines.geodesic_score),
+        GEODESIC_NAME: TrainingFree(partial(baselines.geodesic_score, paths=paths)),
         POSITION: TrainingFree(lambda view: baselines.position_score(view.elevation)),
     }

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.metrics.metric import State, loaded
+
 BINS = 20
 
 Floats = NDArray[np.float64]
@@ -41,6 +43,20 @@ class Reliability:
         self._counts += other._counts
         self._predicted += other._predicted
         self._above += other._above
+
+    def state(self) -> State:
+        """Pixels, sum of the predictions, and pixels really above, of every bin."""
+        return {
+            "counts": self._counts.copy(),
+            "predicted": self._predicted.copy(),
+            "above": self._above.copy(),
+        }
+
+    def load(self, state: State) -> None:
+        """See `Metric`."""
+        self._counts = loaded(state["counts"], self._counts)
+        self._predicted = loaded(state["predicted"], self._predicted)
+        self._above = loaded(state["above"], self._above)
 
     def curve(self) -> tuple[Floats, Floats, NDArray[np.int64]]:
         """Mean prediction, share really above (both NaN where there is none), and pixels of every bin."""

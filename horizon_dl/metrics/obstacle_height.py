@@ -12,8 +12,8 @@ from horizon_dl.data.frame import Frame, Truth
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.geometry.resize import nearest
-from horizon_dl.metrics.accumulators import ScoredPixels
 from horizon_dl.metrics.range_truth import level_ranges
+from horizon_dl.metrics.scored_pixels import ScoredPixels
 
 STRIPS = 320
 """Columns of obstacle points, over the image's width: a lidar with 0.1 to 0.2 degrees a step fills each."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame
 from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.metrics.metric import State, loaded
 from horizon_dl.metrics.range_truth import true_distances
 from horizon_dl.ranging.free_distance import (
     FreeDistances,
@@ -107,6 +108,25 @@ class RangingAccumulator:
         error = np.abs(distance[measured] - truth[measured])
         self.relative.append((error / truth[measured]).astype(np.float32))
         self.within_2sd.append(error <= 2 * found.sd_m[used][measured])
+
+    def merge(self, other: "RangingAccumulator") -> None:
+        """See `Metric`; the other has the same interval."""
+        self.relative += other.relative
+        self.within_2sd += other.within_2sd
+        self.counts += other.counts
+
+    def state(self) -> State:
+        """See `Metric`."""
+        return {
+            "relative": joined(self.relative).astype(np.float32),
+            "within_2sd": joined(self.within_2sd).astype(np.bool_),
+            "counts": self.counts.copy(),
+        }
+
+    def load(self, state: State) -> None:
+        """See `Metric`."""
+        self.relative, self.within_2sd = [state["relative"].copy()], [state["within_2sd"].copy()]
+        self.counts = loaded(state["counts"], self.counts)
 
     def compute(self) -> dict[str, Any]:
         """The figures; None where there was nothing to measure.

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame, FrameHeader
+from horizon_dl.metrics.metric import State, joined_states, part_of
 from horizon_dl.metrics.range_truth import level_ranges, true_obstacles
 from horizon_dl.metrics.ranging import RangingAccumulator
-from horizon_dl.ranging.free_distance import p_of_entropy
+from horizon_dl.ranging.free_distance import RangingParams, p_of_entropy
 
 INDOORS_M = (0.7, 4.0)
 ON_THE_ROAD_M = (5.0, 25.0)
@@ -21,6 +22,10 @@ class RangingBlock:
 
     Distances count from 0.7 to 4 m, those of a car (its floor has a normal of its own) from 5 to 25 m.
 
+    Args:
+        headers: of the frames, where they are known beforehand.
+        rules: of the ranging.
+
     Attributes:
         accumulators: `everything`, `connected` and `true_floor`.
 
@@ -30,13 +35,14 @@ class RangingBlock:
         >>> metrics["ranging"] = block.compute()               # doctest: +SKIP
     """
 
-    def __init__(self, headers: Sequence[FrameHeader] = ()) -> None:
+    def __init__(self, headers: Sequence[FrameHeader] = (), rules: RangingParams | None = None) -> None:
         on_the_road = any(header.floor_up_cam is not None for header in headers)
         near_m, far_m = ON_THE_ROAD_M if on_the_road else INDOORS_M
+        rules = rules or RangingParams()
         self.accumulators = {
-            "everything": RangingAccumulator(near_m, far_m),
-            "connected": RangingAccumulator(near_m, far_m, connected_only=True),
-            "true_floor": RangingAccumulator(near_m, far_m),
+            "everything": RangingAccumulator(near_m, far_m, rules=rules),
+            "connected": RangingAccumulator(near_m, far_m, connected_only=True, rules=rules),
+            "true_floor": RangingAccumulator(near_m, far_m, rules=rules),
         }
 
     def update(self, frame: Frame, p_above: NDArray[np.float32], threshold: float) -> None:
@@ -56,6 +62,20 @@ class RangingBlock:
             true_floor = self.accumulators["true_floor"]
             not_free, known = true_obstacles(frame, range_m, true_floor.bearings)
             true_floor.update(frame, not_free, range_m, known=known)
+
+    def merge(self, other: "RangingBlock") -> None:
+        """See `Metric`."""
+        for name, accumulator in self.accumulators.items():
+            accumulator.merge(other.accumulators[name])
+
+    def state(self) -> State:
+        """See `Metric`."""
+        return joined_states(self.accumulators)
+
+    def load(self, state: State) -> None:
+        """See `Metric`; of a block of the same recording."""
+        for name, accumulator in self.accumulators.items():
+            accumulator.load(part_of(state, name))
 
     def compute(self) -> dict[str, Any]:
         """Of all obstacles, with `connected` and `true_floor` beside them; see `RangingAccumulator`."""

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.metrics.metric import State
+
 BANDS = 90  # of one degree of depression below the horizon
 BINS = 8192
 # float32 just below 1 has a logit of 16.6; towards 0 it is much finer.
@@ -87,6 +89,17 @@ class RocAccumulator:
     def merge(self, other: "RocAccumulator") -> None:
         """Add everything that another one has counted."""
         self.counts += other.counts
+
+    def state(self) -> State:
+        """The places of the histogram that hold anything, and how much: most are empty."""
+        counts = self.counts.ravel()
+        places = np.flatnonzero(counts)
+        return {"places": places.astype(np.int32), "counts": counts[places]}
+
+    def load(self, state: State) -> None:
+        """See `Metric`."""
+        self.counts = np.zeros((BANDS, 2, BINS), np.int64)
+        self.counts.ravel()[state["places"]] = state["counts"]
 
     def compute(self) -> RocResult:
         """All figures of what was counted so far."""

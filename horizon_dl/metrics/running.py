@@ -3,12 +3,11 @@
 from collections import deque
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.horizon import ABOVE, IGNORED, horizon_label
 from horizon_dl.metrics.calibration_error import Reliability
-from horizon_dl.training.checkpoint import Snapshot
+from horizon_dl.metrics.metric import State, joined_states, part_of
 
 WINDOW_FRAMES = 50
 
@@ -28,34 +27,35 @@ class RunningSides:
         calibration.update(p_above[used], above)
         self._frames.append((int(np.sum((p_above[used] > 0.5) == above)), int(used.sum()), calibration))
 
-    @property
-    def horizon_accuracy(self) -> float | None:
-        """Share of pixels whose side was predicted; None before any."""
-        total = sum(pixels for _, pixels, _ in self._frames)
-        return sum(right for right, _, _ in self._frames) / total if total else None
+    def merge(self, other: "RunningSides") -> None:
+        """See `Metric`; the other's frames are the newer ones."""
+        self._frames += other._frames
 
-    @property
-    def calibration_error(self) -> float | None:
-        """Expected calibration error as of `Reliability`, in [0, 1]; None before any pixel."""
+    def compute(self) -> dict[str, float | None]:
+        """`horizon_accuracy`, the share of pixels whose side was predicted, and `calibration_error`.
+
+        Both in [0, 1], None before any pixel; the error is that of `Reliability`.
+        """
+        total = sum(pixels for _, pixels, _ in self._frames)
         together = Reliability()
         for _, _, calibration in self._frames:
             together.merge(calibration)
-        return together.compute()
-
-    def snapshot(self) -> Snapshot:
-        """The window."""
-        tensors = {
-            f"{place}{name}": torch.from_numpy(array)
-            for place, (_, _, calibration) in enumerate(self._frames)
-            for name, array in vars(calibration).items()
+        right = sum(right for right, _, _ in self._frames)
+        return {
+            "horizon_accuracy": right / total if total else None,
+            "calibration_error": together.compute(),
         }
-        return Snapshot(tensors, {"sides": [[right, pixels] for right, pixels, _ in self._frames]})
 
-    def restore(self, snapshot: Snapshot) -> None:
-        """The window of a snapshot."""
+    def state(self) -> State:
+        """See `Metric`: the window."""
+        sides = np.array([[right, pixels] for right, pixels, _ in self._frames], np.int64).reshape(-1, 2)
+        frames = {f"frame{place}": calibration for place, (_, _, calibration) in enumerate(self._frames)}
+        return {"sides": sides, **joined_states(frames)}
+
+    def load(self, state: State) -> None:
+        """See `Metric`."""
         self._frames.clear()
-        for place, (right, pixels) in enumerate(snapshot.values["sides"]):
+        for place, (right, pixels) in enumerate(state["sides"].tolist()):
             calibration = Reliability()
-            for name in vars(calibration):
-                setattr(calibration, name, snapshot.tensors[f"{place}{name}"].numpy().copy())
+            calibration.load(part_of(state, f"frame{place}"))
             self._frames.append((right, pixels, calibration))

@@ -13,15 +13,8 @@ from horizon_dl.data.view import View
 from horizon_dl.evaluation.progressive import ProgressiveValidation
 from horizon_dl.methods.registry import NET
 from horizon_dl.methods.scores import score_maps
-from horizon_dl.metrics.accumulator_state import (
-    accumulator_snapshot,
-    ranging_snapshot,
-    restore_ranging,
-    restore_threshold,
-    restored_accumulator,
-    threshold_snapshot,
-)
-from horizon_dl.metrics.accumulators import MethodAccumulator
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
+from horizon_dl.metrics.metric_snapshot import metric_snapshot, restore_metric
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.roc import RocAccumulator, RocResult
 from horizon_dl.metrics.running import RunningSides
@@ -94,7 +87,7 @@ class OnlineFigures:
             return
         maps = {P_ABOVE: found.p_above, "entropy": found.entropy}
         if self.validation.scores(index, frame):
-            maps = score_maps(view, found, single_pass(view)[0])
+            maps = score_maps(view, found, single_pass(view)[0], self._config.geodesic)
             self._result = None
         self.validation.update(index, frame, view, {NET: maps})
 
@@ -134,13 +127,13 @@ class OnlineFigures:
         """All figures so far."""
         counts = {name: getattr(self, name) for name in ("seen", "predicted", "learned")}
         parts = {
-            "ranging": ranging_snapshot(self.validation.ranging),
+            "ranging": metric_snapshot(self.validation.ranging),
             "counts": Snapshot(
                 values={**counts, "tested": self.validation.tested, "reasons": dict(self.reasons)}
             ),
-            "accumulator": accumulator_snapshot(self.accumulator),
-            "sides": self.sides.snapshot(),
-            "entropies": threshold_snapshot(self.validation.thresholds[NET]),
+            "accumulator": metric_snapshot(self.accumulator),
+            "sides": metric_snapshot(self.sides),
+            "entropies": metric_snapshot(self.validation.thresholds[NET]),
         }
         return Snapshot.join(parts)
 
@@ -151,8 +144,8 @@ class OnlineFigures:
         self.validation.tested = counts.pop("tested")
         for name, count in counts.items():
             setattr(self, name, count)
-        self.validation.accumulators[NET] = restored_accumulator(snapshot.part("accumulator"))
-        self.sides.restore(snapshot.part("sides"))
-        restore_threshold(self.validation.thresholds[NET], snapshot.part("entropies"))
-        restore_ranging(self.validation.ranging, snapshot.part("ranging"))
+        restore_metric(self.accumulator, snapshot.part("accumulator"))
+        restore_metric(self.sides, snapshot.part("sides"))
+        restore_metric(self.validation.thresholds[NET], snapshot.part("entropies"))
+        restore_metric(self.validation.ranging, snapshot.part("ranging"))
         self._result = None

@@ -10,13 +10,11 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame, fits_camera, has_attitude
 from horizon_dl.evidence.exposure import exposure_problem
+from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.evidence.sketch import sketch_of
 from horizon_dl.evidence.stream import MotionWatch, Seen
 from horizon_dl.training.checkpoint import Snapshot
-
-LATE_S = 0.1
-"""An attitude that is older than this belongs to another frame."""
 
 
 class Distrust(StrEnum):
@@ -48,8 +46,8 @@ class StreamGuard:
         True
     """
 
-    def __init__(self) -> None:
-        self._motion = MotionWatch()
+    def __init__(self, limits: EvidenceLimits = LIMITS) -> None:
+        self._limits, self._motion = limits, MotionWatch(limits)
 
     def check(self, frame: Frame, attitude_age_s: float = 0.0) -> Distrust | None:
         """Why not to learn from the next frame; None: it can be trusted.
@@ -97,9 +95,9 @@ class StreamGuard:
             return Distrust.CLOCK
         if seen.up_cam is None or frame.camera is None:
             return Distrust.NO_ATTITUDE
-        if not abs(attitude_age_s) <= LATE_S:
+        if not abs(attitude_age_s) <= self._limits.late_s:
             return Distrust.LATE
-        reason = exposure_problem(seen.sketch) or self._motion.problem(frame.calibrated, seen)
+        reason = exposure_problem(seen.sketch, self._limits) or self._motion.problem(frame.calibrated, seen)
         return None if reason is None else Distrust(reason.value)
 
 

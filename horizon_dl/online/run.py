@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from horizon_dl.output import output_folder, write_json
 from horizon_dl.runtime.ranged import ranges_of
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.online.learner import OnlineLearner, mean_loss
-from horizon_dl.training.predict import prediction_of
+from horizon_dl.training.predict import flight_rules, prediction_of
 from horizon_dl.training.run_folder import Run, save_run
 from horizon_dl.uncertainty.measures import Measures
 from horizon_dl.visualization.sink import Sink
@@ -93,7 +93,7 @@ class OnlineRun:
     ) -> None:
         self.source, self.config, self.folder = source, config, folder
         self.learner = OnlineLearner(config, config.seed)
-        self.guard = StreamGuard()
+        self.guard = StreamGuard(config.evidence)
         self.figures = OnlineFigures(config, source.headers if isinstance(source, Recording) else ())
         self.keeper = RunDirectory(folder, source, config, restart=restart, overwrite=overwrite)
         self.stopped = False
@@ -233,6 +233,7 @@ class OnlineRun:
             return
         prediction = prediction_of(frame, view, found, self.figures.validation.thresholds[NET].compute())
         try:
+            prediction = replace(prediction, rules=flight_rules(self.config))
             self.sink.log(frame, prediction, ranges_of(frame, prediction))
         except (OSError, ValueError, InputError) as error:
             self.keeper.say(f"nothing is shown any more ({error}); learning goes on")
@@ -269,8 +270,7 @@ class OnlineRun:
             "learned": seen.not_learned is None,
             "not_learned": seen.not_learned,
             "loss": finite(seen.loss),
-            "horizon_accuracy": self.figures.sides.horizon_accuracy,
-            "calibration_error": self.figures.sides.calibration_error,
+            **self.figures.sides.compute(),
             "auc": auc,
             "auc_within_depression": within,
             "predict_ms": 1e3 * seen.predict_s,

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.params import angle_deg, setting
+
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
@@ -20,6 +22,10 @@ LARGEST_LOGIT_STEP = 1.5
 class ContactDetectorParams:
     """When `p_above` counts as risen from the floor's level; logits, so that floors of 0.02 and 0.2 compare.
 
+    `floor_percentile`, `rise` and `prior_rad` were picked among some 300 rules on the distances of embedded,
+    corridor and KITTI, the sets that the distances are reported on: expect less elsewhere; see
+    docs/RESEARCH.md.
+
     Attributes:
         floor_percentile: of the frame's cells below the horizon: the frame's own floor level.
         rise: a cell this much over its bearing's floor level speaks for an obstacle.
@@ -28,10 +34,10 @@ class ContactDetectorParams:
         prior_rad: the frame's floor level counts as much as this much ground of the bearing itself.
     """
 
-    floor_percentile: float = 9.0
-    rise: float = 0.7
-    alarm_rad: float = math.radians(1.0)
-    prior_rad: float = math.radians(3.0)
+    floor_percentile: float = setting(9.0, 0.0, 50.0)
+    rise: float = setting(0.7, 0.01, 5.0)
+    alarm_rad: float = angle_deg(1.0, 0.01, 45.0)
+    prior_rad: float = angle_deg(3.0, 0.01, 90.0)
 
 
 def first_contact(obstacle: Mask, seen: Mask, window: int, share: float, unseen_rows: int = 0) -> Rows:

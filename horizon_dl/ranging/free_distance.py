@@ -5,6 +5,7 @@ Source: arXiv:1806.08007, section on obstacle distance; the error terms are that
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.polar import PolarView
+from horizon_dl.params import angle_deg, read_params, setting
 from horizon_dl.ranging.contact import (
     ContactDetectorParams,
     Rows,
@@ -53,14 +55,20 @@ class RangingParams:
         rise: for `free_distances_from_p`; the window and its share are for maps.
     """
 
-    extent_rad: float = math.radians(1.5)
-    share: float = 0.6
-    horizon_rad: float = math.radians(2.0)
-    unseen_rad: float = math.radians(1.0)
-    cell_share: float = 0.2
-    attitude_sd_rad: float = math.radians(0.5)
-    height_sd: float = 0.03
+    extent_rad: float = angle_deg(1.5, 0.1, 30.0)
+    share: float = setting(0.6, 0.01, 1.0)
+    horizon_rad: float = angle_deg(2.0, 0.0, 30.0)
+    unseen_rad: float = angle_deg(1.0, 0.0, 30.0)
+    cell_share: float = setting(0.2, 0.01, 1.0)
+    attitude_sd_rad: float = angle_deg(0.5, 0.0, 20.0)
+    height_sd: float = setting(0.03, 0.0, 1.0)
     rise: ContactDetectorParams = field(default_factory=ContactDetectorParams)
+
+    @classmethod
+    def of_values(cls, config: Mapping[str, object]) -> "RangingParams":
+        """From a config's sections `ranging` and `contact`, as in files; ValueError as of `read_params`."""
+        contact = read_params(ContactDetectorParams, config.get("contact", {}), "contact")
+        return replace(read_params(cls, config.get("ranging", {}), "ranging"), rise=contact)
 
 
 @dataclass(frozen=True)

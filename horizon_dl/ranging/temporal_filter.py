@@ -7,9 +7,6 @@ import numpy as np
 
 from horizon_dl.ranging.free_distance import FreeDistances, no_distances
 
-STALL_S = 0.3
-"""After a gap of more than this between two frames, those before it say nothing any more."""
-
 
 @dataclass(frozen=True)
 class _Past:
@@ -26,17 +23,18 @@ class SectorFilter:
 
     Args:
         frames: an odd number; 1 filters nothing.
-        max_age_s: frames older than this are forgotten, and all of them after a stall.
+        max_age_s: frames older than this are forgotten.
+        gap_s: after a longer gap between two frames, those before it say nothing any more.
 
     Raises:
         ValueError: `frames` is even or not positive.
     """
 
-    def __init__(self, frames: int = 3, max_age_s: float = 0.5) -> None:
+    def __init__(self, frames: int = 3, max_age_s: float = 0.5, gap_s: float = 0.3) -> None:
         if frames < 1 or frames % 2 == 0:
             raise ValueError(f"a median needs an odd number of frames, not {frames}")
         self._past: deque[_Past] = deque(maxlen=frames)
-        self._max_age_s = max_age_s
+        self._max_age_s, self._gap_s = max_age_s, gap_s
 
     @property
     def delay_s(self) -> float:
@@ -56,7 +54,7 @@ class SectorFilter:
             yaw_rad: of the body, clockwise from north; only differences count.
             found: sectors of equal width, the same in every frame.
         """
-        if self._past and time_s - self._past[-1].time_s > STALL_S:
+        if self._past and time_s - self._past[-1].time_s > self._gap_s:
             self._past.clear()
         while self._past and time_s - self._past[0].time_s > self._max_age_s:
             self._past.popleft()

@@ -38,9 +38,9 @@ def browser_html(section: "Browser") -> Html:
     )
     slider = el(
         "div",
-        el("label", "threshold ", el("output", "", id="threshold-value"), for_="threshold"),
+        el("label", "threshold of the entropy ", el("output", "", id="threshold-value"), for_="threshold"),
         el("input", type="range", id="threshold", min=0, max=1, value=0),
-        el("button", "the model's", type="button", id="own-threshold"),
+        el("button", "the paper's", type="button", id="own-threshold"),
         class_="threshold",
     )
     return el(

@@ -22,7 +22,7 @@ from horizon_dl.reporting.html import report_html
 from horizon_dl.reporting.run_page import FILM, auc_chart, film_section, links_to
 from horizon_dl.reporting.sections import GLOSSARY, Browser, Heading, Links, Pairs, Section, Table, Text
 from horizon_dl.reporting.table import HEADER, METHOD_HEADER, METHOD_NAMES, method_rows, metrics_rows
-from horizon_dl.runtime.prediction import DRAWN_SCORE
+from horizon_dl.runtime.prediction import PAPER_SCORE
 
 NAMES = ("report.html", "index.html")
 
@@ -54,7 +54,11 @@ def report_sections(
     sections += [Heading("Scores"), *_curves(comparison, log)]
     sections += [
         Table(HEADER, metrics_rows(metrics), "Obstacle against floor, below the horizon.", text_columns=2),
-        Table(METHOD_HEADER, method_rows(metrics), "Learners: accuracy, times, and the threshold's rates."),
+        Table(
+            METHOD_HEADER,
+            method_rows(metrics),
+            "Learners: accuracy, times, rates of the paper's threshold.",
+        ),
         *distance_sections(metrics, log),
         Heading("How this was made"),
         Pairs(setup_facts(comparison, config)),
@@ -72,9 +76,9 @@ def _frames(comparison: Comparison, log: ComparisonLog) -> list[Section]:
     sliders = {
         name: Slider(
             METHOD_NAMES.get(name, name),
-            DRAWN_SCORE,
+            PAPER_SCORE,
             log.thresholds[name],
-            pooled_roc(comparison.accumulators[name], DRAWN_SCORE),
+            pooled_roc(comparison.accumulators[name], PAPER_SCORE),
         )
         for name in stills[0].said
     }

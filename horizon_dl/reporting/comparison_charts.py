@@ -7,16 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.evaluation.compare import Comparison
-from horizon_dl.metrics.accumulators import MethodAccumulator
 from horizon_dl.metrics.calibration_error import Reliability
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.roc import LOGIT_RANGE, RocAccumulator
 from horizon_dl.reporting.chart import Chart, Line
 from horizon_dl.reporting.conclusion import NO_LEARNING, headline_score
 from horizon_dl.reporting.curves import OperatingPoint, RocLine, thin_curve
 from horizon_dl.reporting.table import METHOD_NAMES
-from horizon_dl.runtime.prediction import DRAWN_SCORE
+from horizon_dl.runtime.prediction import FLOWN_SCORE, PAPER_SCORE
 
-BEST = "fused"
+FUSED = "fused"
+NOTES = {FLOWN_SCORE: "flown", PAPER_SCORE: "the paper's", FUSED: "evaluated only"}
 
 
 def pooled_roc(accumulators: Sequence[MethodAccumulator], score: str) -> RocAccumulator | None:
@@ -31,14 +32,14 @@ def pooled_roc(accumulators: Sequence[MethodAccumulator], score: str) -> RocAccu
 
 
 def _drawn(comparison: Comparison) -> list[tuple[str, str, str]]:
-    """Method, score and name of every curve: each method's headline, and the learners' fused score."""
+    """Method, score and name of every curve: each method's headline, and the learners' other scores."""
     found = []
     for method in comparison.accumulators:
-        scores = (headline_score(method),) if method in NO_LEARNING else (DRAWN_SCORE, BEST)
+        scores = (headline_score(method),) if method in NO_LEARNING else tuple(NOTES)
         for score in dict.fromkeys(scores):
             name = METHOD_NAMES.get(method, method)
             if method not in NO_LEARNING:
-                name += f", {score.replace('_', ' ')}"
+                name += f", {score} ({NOTES[score]})"
             found.append((method, score, name))
     return found
 
@@ -52,8 +53,7 @@ def roc_lines(comparison: Comparison) -> list[RocLine]:
         if curve is None:
             continue
         block = comparison.metrics["methods"][method]
-        own = score == headline_score(method)
-        points = _points(block.get("operating_point")) if own else []
+        points = _points(block.get("operating_point")) if score == PAPER_SCORE else []
         auc = block["scores"][score]["auc"]
         lines.append(RocLine(name, *curve, auc=auc, baseline=method in NO_LEARNING, points=points))
     return lines

@@ -1,5 +1,6 @@
 """What a comparison shows of its test frames: panels, a film, frames for the page, distances."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +16,14 @@ from horizon_dl.reporting.outputs import can_film
 from horizon_dl.reporting.run_page import FILM
 from horizon_dl.reporting.stills import Said, Stills, auc_of, still
 from horizon_dl.reporting.table import METHOD_NAMES
-from horizon_dl.runtime.prediction import DRAWN_SCORE, Prediction
+from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged, ranges_of
+from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.uncertainty.measures import P_ABOVE, Measures, surprisal
 from horizon_dl.visualization.colours import Image
-from horizon_dl.visualization.file_sinks import drawn_ranges
+from horizon_dl.visualization.file_sinks import drawn_ranges, panel_row
 from horizon_dl.visualization.film import Film
-from horizon_dl.visualization.panels import PanelRow, frame_panel, save_panel
+from horizon_dl.visualization.panels import frame_panel, save_panel
 
 MOST_PANELS = 8
 Pair = tuple[float, float]
@@ -34,6 +36,7 @@ class ComparisonLog:
         folder: of the results.
         frames: how many frames will come; at most 8 of them, evenly spread, become panels.
         names: where panels are written.
+        rules: by which frames are ranged and judged; the defaults if left out.
 
     Attributes:
         stills: for the frame browser.
@@ -44,13 +47,16 @@ class ComparisonLog:
         film: of the first learner, or None.
     """
 
-    def __init__(self, folder: Path, frames: int, names: ResultNames | None = None) -> None:
+    def __init__(
+        self, folder: Path, frames: int, names: ResultNames | None = None, rules: FlightRules | None = None
+    ) -> None:
         self.stills: Stills | None = None
         self.aucs: dict[str, list[Pair]] = {}
         self.distances: list[Pair] = []
         self.covered: list[Pair] = []
         self.thresholds: dict[str, float] = {}
         self._folder, self._names = folder, names or ResultNames()
+        self._rules = rules or FlightRules()
         self._every = max(1, -(-frames // MOST_PANELS))
         self._count = 0
         self.film = Film(folder / FILM) if can_film() and frames > 1 else None
@@ -58,7 +64,7 @@ class ComparisonLog:
     def __call__(self, scored: ScoredFrame) -> None:
         """Take one test frame."""
         learners = {name: maps for name, maps in scored.maps.items() if P_ABOVE in maps}
-        predictions = {name: prediction_of(scored, name) for name in learners}
+        predictions = {name: prediction_of(scored, name, self._rules) for name in learners}
         ranges = {name: ranges_of(scored.frame, one) for name, one in predictions.items()}
         first = next(iter(predictions))
         if self._count % self._every == 0:
@@ -85,13 +91,12 @@ class ComparisonLog:
     ) -> None:
         said = {}
         for name, one in predictions.items():
-            auc = auc_of(scored.view, one.score, scored.frame.truth)
+            auc = auc_of(scored.view, one.flown_score, scored.frame.truth)
             if auc is not None:
                 self.aucs.setdefault(name, []).append((scored.frame.time_s, auc))
             drawn = _drawn(one, ranges[name])
-            said[name] = Said(
-                one.score.astype(np.float16), one.measures.p_above.astype(np.float16), drawn, auc
-            )
+            found = one.measures
+            said[name] = Said(found.entropy.astype(np.float16), found.p_above.astype(np.float16), drawn, auc)
         if self.stills is None:
             self.stills = Stills(first)
         self.stills.add(still(scored.frame, scored.view, said, ranges[first]))
@@ -103,7 +108,8 @@ class ComparisonLog:
         if range_m is None or frame.truth is None:
             return
         p_above, threshold = scored.maps[learner][P_ABOVE], scored.thresholds[learner]
-        found = RangingAccumulator().update(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
+        accumulator = RangingAccumulator(rules=self._rules.ranging)
+        found = accumulator.update(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
         if found is None:
             return
         truth_m = true_distances(frame, range_m, EVALUATION_BEARINGS)
@@ -112,8 +118,8 @@ class ComparisonLog:
             pairs += zip(truth_m[known & seen].tolist(), found.distance_m[known & seen].tolist(), strict=True)
 
 
-def prediction_of(scored: ScoredFrame, method: str) -> Prediction:
-    """What a learner said of a test frame, as any predictor says it."""
+def prediction_of(scored: ScoredFrame, method: str, rules: FlightRules | None = None) -> Prediction:
+    """What a learner said of a test frame, as any predictor says it; `rules`: the defaults if left out."""
     maps, view = scored.maps[method], scored.view
     p_above: NDArray[np.float32] = maps[P_ABOVE]
     found = Measures(
@@ -125,11 +131,12 @@ def prediction_of(scored: ScoredFrame, method: str) -> Prediction:
     )
     height, width = p_above.shape
     directions = camera_rays(scored.frame.calibrated.scaled(width, height)).directions
-    return Prediction.of(view, found, scored.thresholds[method], directions)
+    said = Prediction.of(view, found, scored.thresholds[method], directions)
+    return replace(said, place=scored.places.get(method), rules=rules or FlightRules())
 
 
 def comparison_panel(scored: ScoredFrame) -> Image:
-    """Image, classification, uncertainty, obstacle map, distances and truth; a row a learner."""
+    """Image, what is flown, what the paper draws, truth; a row a learner."""
     predictions = {name: prediction_of(scored, name) for name, maps in scored.maps.items() if P_ABOVE in maps}
     ranges = {name: ranges_of(scored.frame, one) for name, one in predictions.items()}
     return _panel(scored, predictions, ranges)
@@ -138,21 +145,11 @@ def comparison_panel(scored: ScoredFrame) -> Image:
 def _panel(
     scored: ScoredFrame, predictions: dict[str, Prediction], ranges: dict[str, Ranged | None]
 ) -> Image:
-    rows = [
-        PanelRow(
-            METHOD_NAMES[name],
-            p_above=one.measures.p_above,
-            uncertainty=one.score,
-            obstacles=one.obstacles,
-            uncertainty_title=f"uncertainty ({DRAWN_SCORE.replace('_', ' ')})",
-            ranges=_drawn(one, ranges[name]),
-        )
-        for name, one in predictions.items()
-    ]
+    rows = [panel_row(METHOD_NAMES[name], one, ranges[name]) for name, one in predictions.items()]
     return frame_panel(
         scored.view.image, scored.view.elevation, rows, scored.frame.truth, title=scored.frame.name
     )
 
 
 def _drawn(prediction: Prediction, ranges: Ranged | None) -> Image | None:
-    return None if ranges is None or not ranges.has_metres else drawn_ranges(prediction, ranges)
+    return None if ranges is None else drawn_ranges(prediction, ranges)

@@ -5,11 +5,13 @@ from typing import Any
 
 from horizon_dl.evidence.self_assessment import said
 from horizon_dl.reporting.table import METHOD_NAMES
-from horizon_dl.runtime.prediction import DRAWN_SCORE
+from horizon_dl.runtime.prediction import FLOWN_SCORE, PAPER_SCORE
 
 NO_LEARNING = ("position", "diffusion", "geodesic")
 ALIKE = 0.005
 """Differences in AUC under this are said to be none."""
+
+THE_PAPERS = "the paper's"
 
 Both = tuple[float, float]
 _IN_WORDS = {
@@ -22,7 +24,7 @@ _IN_WORDS = {
 
 def headline_score(method: str) -> str:
     """The score by which a method is named in one figure."""
-    return "score" if method in NO_LEARNING else DRAWN_SCORE
+    return "score" if method in NO_LEARNING else FLOWN_SCORE
 
 
 def both_aucs(metrics: Mapping[str, Any], method: str, score: str | None = None) -> Both | None:
@@ -64,8 +66,8 @@ def conclusion(metrics: Mapping[str, Any]) -> str:
         "" if doubt is None else f"Without any label the net says of itself: {doubt}.",
     ]
     figures = (
-        f"{name}, {DRAWN_SCORE.replace('_', ' ')}: AUC {own[0]:.3f} pooled, {own[1]:.3f} within bands"
-        f"{_best_score(metrics, learner, own)}."
+        f"{name}, {FLOWN_SCORE}, the score that is flown: AUC {own[0]:.3f} pooled, {own[1]:.3f} within bands"
+        f"{_of_score(metrics, learner, PAPER_SCORE, THE_PAPERS)}{_best_score(metrics, learner, own)}."
     )
     return " ".join(one for one in sentences if one) + f"\n\n{figures} {_trained_on(metrics)}".rstrip()
 
@@ -103,9 +105,14 @@ def _best_score(metrics: Mapping[str, Any], learner: str, own: Both) -> str:
     scores = metrics["methods"][learner]["scores"]
     found = {name: both for name in scores if (both := both_aucs(metrics, learner, name)) is not None}
     best = max(found, key=lambda name: found[name][1])
-    if best == DRAWN_SCORE or found[best][1] - own[1] < ALIKE:
+    if best in (FLOWN_SCORE, PAPER_SCORE) or found[best][1] - own[1] < ALIKE:
         return ""
-    return f"; its best score is {best.replace('_', ' ')}, {found[best][0]:.3f} and {found[best][1]:.3f}"
+    return _of_score(metrics, learner, best, "which is not flown")
+
+
+def _of_score(metrics: Mapping[str, Any], learner: str, score: str, what: str) -> str:
+    found = both_aucs(metrics, learner, score)
+    return "" if found is None else f"; {score.replace('_', ' ')}, {what}: {found[0]:.3f} and {found[1]:.3f}"
 
 
 def _trained_on(metrics: Mapping[str, Any]) -> str:

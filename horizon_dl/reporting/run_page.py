@@ -11,7 +11,7 @@ from horizon_dl.reporting.chart import Chart, Line
 from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.sections import Browser, Heading, Links, Pairs, Section, Text, Video
 from horizon_dl.reporting.stills import Said, Stills, auc_of, still
-from horizon_dl.runtime.prediction import DRAWN_SCORE, Prediction
+from horizon_dl.runtime.prediction import PAPER_SCORE, Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.file_sinks import drawn_ranges
 from horizon_dl.visualization.film import Film
@@ -68,23 +68,22 @@ class Page:
         """See `Sink`."""
         self.frames += 1
         self._threshold = prediction.threshold
-        auc = auc_of(prediction.view, prediction.score, frame.truth)
+        auc = auc_of(prediction.view, prediction.flown_score, frame.truth)
         if auc is not None:
             self.aucs.append((frame.time_s, auc))
         if ranges is not None and ranges.has_metres:
             near = ranges.nearest()
             self._nearest.append((frame.time_s, None if near is None else min(near[0], ranges.vehicle.far_m)))
         drawn = None if ranges is None else drawn_ranges(prediction, ranges)
-        said = Said(
-            prediction.score.astype(np.float16), prediction.measures.p_above.astype(np.float16), drawn, auc
-        )
+        measures = prediction.measures
+        said = Said(measures.entropy.astype(np.float16), measures.p_above.astype(np.float16), drawn, auc)
         self._stills.add(still(frame, prediction.view, {LEARNER: said}, ranges))
 
     def close(self) -> None:
         """Write the page; without a frame there is none."""
         if not self.frames:
             return
-        slider = Slider("model", DRAWN_SCORE, self._threshold)
+        slider = Slider("model", PAPER_SCORE, self._threshold)
         data = browser_data(self._stills.chosen(), {LEARNER: slider})
         sections: list[Section] = [Text(self._lead(self), lead=True)]
         films = sorted(path.name for path in self._folder.glob("film*.mp4"))
@@ -110,7 +109,7 @@ class Page:
 
 def film_section(name: str = FILM, poster: bytes = b"") -> Video:
     """A film beside the page."""
-    alt = "Film: image, classification, uncertainty, obstacle map, distances and ground side by side."
+    alt = "Film: image, the score that is flown, free, blocked and unknown bearings, the paper's maps."
     return Video(name, alt, poster)
 
 
@@ -125,7 +124,7 @@ def auc_chart(lines: Sequence[Line]) -> Chart:
         "AUC of the frame",
         (min(times), max(times)),
         (float(floor), 1.0),
-        "AUC of each scored frame below the horizon, pooled over its pixels.",
+        "AUC of the score that is flown on each scored frame, below the horizon, pooled over its pixels.",
         f"AUC of each scored frame over time; the lowest is {low:.2f}.",
         name="auc",
     )

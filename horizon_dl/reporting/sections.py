@@ -137,15 +137,24 @@ GLOSSARY = Pairs(
         ("p_above", "Probability that a pixel looks like what is found above the horizon."),
         (
             "entropy",
-            "The method's score, in bits: 0 sure, 1 undecided. What stands on both sides of the horizon, as "
-            "obstacles do, scores high.",
+            "The paper's score, in bits: 0 sure, 1 undecided. What stands on both sides of the horizon, as "
+            "obstacles do, scores high. Its map over the paper's threshold is shown to compare, not flown.",
         ),
-        ("surprisal", "How surprising a pixel's appearance is on the side where it really lies, in bits."),
+        (
+            "surprisal",
+            "The score that is flown: how surprising a pixel's appearance is on the side where it really "
+            "lies, in bits; drawn as the probability of the other side.",
+        ),
+        (
+            "what is flown",
+            "Along each bearing, from the nearest ground up: free until the surprise rises over the floor's "
+            "level and stays there, blocked from there on; unknown where evidence lacks, with the reason.",
+        ),
         (
             "distance per bearing",
             "Metres along a flat floor to the first obstacle of each direction, from the camera's height: "
-            "contacts from red (near) to yellow (far), free ground green, the free heading nearest to "
-            "straight ahead blue.",
+            "contacts from red (near) to yellow (far), free ground green, unknown grey and hatched, the free "
+            "heading nearest to straight ahead blue.",
         ),
         ("mutual information", "The part of the entropy that more training could remove: novelty."),
         (

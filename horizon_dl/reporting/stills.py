@@ -24,10 +24,10 @@ class Said:
     """What one learner says of a frame; maps (h, w).
 
     Attributes:
-        score: the map that its threshold belongs to.
+        score: the entropy, which the paper's threshold belongs to.
         p_above: probability of above.
-        ranges: distances, drawn, or None.
-        auc: of the score on this frame alone, below the horizon; None without truth.
+        ranges: the bearings that are flown, drawn, or None.
+        auc: of the score that is flown on this frame alone, below the horizon; None without truth.
     """
 
     score: NDArray[np.float16]

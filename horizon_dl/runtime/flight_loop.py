@@ -23,12 +23,11 @@ from horizon_dl.runtime.latency import Latencies
 from horizon_dl.runtime.perception import Perception
 from horizon_dl.runtime.watchdog import Clock, Watchdog
 from horizon_dl.sources.newest import NewestFrame
+from horizon_dl.vehicle.flight_params import FlightParams
 from horizon_dl.vehicle.mavlink import INFO, WARNING, Link
 from horizon_dl.vehicle.obstacle_distance import MessageShape, distances_cm
 from horizon_dl.vehicle.telemetry import Autopilot
 
-MOST_TAKEN = 0.1
-"""With more than this share of the sectors taken back for want of evidence the pilot is told."""
 LEAST_ATTITUDES_HZ = 8.0
 
 
@@ -42,6 +41,7 @@ class FlightSettings:
         mount_rpy_rad: of the camera in the body.
         recorded_attitude: take attitude and height from the pictures, not from the autopilot.
         height_m: fixed height of the camera, or None.
+        params: of the watchdog.
     """
 
     rate_hz: float = 20.0
@@ -49,6 +49,7 @@ class FlightSettings:
     mount_rpy_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
     recorded_attitude: bool = False
     height_m: float | None = None
+    params: FlightParams = field(default_factory=FlightParams)
 
 
 @dataclass(frozen=True)
@@ -76,14 +77,14 @@ class FlightLoop:
     def __init__(
         self, perception: Perception, link: Link, settings: FlightSettings, clock: Clock = time.monotonic
     ) -> None:
-        self.watchdog = Watchdog(clock, hint=self._attitude_hint)
+        self.watchdog = Watchdog(clock, settings.params, hint=self._attitude_hint)
         self.autopilot = Autopilot(clock, self.watchdog.attitude)
         self.latencies, self.periods = Latencies(), Latencies()
         self.sent = self.unsent = self.unknown = self.looked_at = self.without_attitude = self.doubted = 0
         self.pictures_seen = self.pictures_skipped = 0
         self._perception, self._link, self._settings, self._clock = perception, link, settings, clock
         self._newest = _Sighted(-np.inf, None)
-        self._height = HeightWatch()
+        self._height = HeightWatch(perception.model.rules.evidence)
         self._reported_s = -np.inf
         self.on_look: Callable[[Frame, FreeDistances], None] | None = None
         self._stop = threading.Event()
@@ -164,7 +165,7 @@ class FlightLoop:
         judged = self._perception.judged
         self._newest = _Sighted(frame.time_s, found, judged is not None and bool(judged.reasons))
         if judged is not None:
-            few = MOST_TAKEN * len(found.outcome)
+            few = self._settings.params.doubt_share * len(found.outcome)
             self.watchdog.doubt(
                 judged.reasons or (why for why, count in judged.sectors.items() if count > few)
             )

@@ -26,6 +26,7 @@ class HotReloadedModel:
         current: the model that predicted last.
         camera: of the upright images it takes; the same for all files.
         place: what the training pictures of the current model were like.
+        rules: of ranging, evidence and watchdog, of the current model.
         threshold: entropy above which a pixel is an obstacle, bits; of the current model.
         taken_over: how often a fresh file took over.
         refused: files that were not taken.
@@ -83,12 +84,12 @@ class HotReloadedModel:
 
     def _take(self, model: ObstacleModel) -> None:
         self.current, self.camera, self.threshold = model, model.camera, model.threshold
-        self.place = model.place
+        self.place, self.rules = model.place, model.rules
 
     def _load(self) -> None:
         try:
             fresh = ObstacleModel.load(self._path, self._threads, self._trusted)
-            problem = not_airworthy(fresh)
+            problem = not_airworthy(fresh, fresh.rules.evidence)
             if problem is not None:
                 raise InputError(self._path, problem, "the old one flies on")
             if (fresh.camera, fresh.size) != (self.camera, self.current.size):

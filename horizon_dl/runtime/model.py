@@ -13,6 +13,7 @@ from horizon_dl.errors import InputError, shortened
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.runtime.acceptance import checked_place, checked_size, checked_threshold, smoke_test
 from horizon_dl.runtime.checksum import read_checksummed
+from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.runtime.signature import Verifier
 
 INPUTS = ("image", "up_cam")
@@ -62,6 +63,7 @@ class ObstacleModel:
         place: what its training pictures were like; None in files of before that was kept.
         size: (w, h), the working size.
         threshold: entropy above which a pixel is an obstacle, bits.
+        rules: of ranging, evidence and watchdog, as it was exported with.
         sha256: the file's hash, as in its seal.
 
     Example:
@@ -78,6 +80,7 @@ class ObstacleModel:
         self.place = checked_place(card)
         self.size = checked_size(card)
         self.threshold = checked_threshold(card)
+        self.rules = FlightRules.of_card(card)
 
     @classmethod
     def load(cls, path: str | Path, threads: int = 1, trusted: Verifier | None = None) -> "ObstacleModel":

@@ -15,6 +15,8 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, bearings_for, polar_view
 from horizon_dl.ranging.free_distance import FreeDistances, free_distances_from_p, no_distances, p_of_entropy
 from horizon_dl.ranging.temporal_filter import SectorFilter
+from horizon_dl.runtime.rules import FlightRules
+from horizon_dl.vehicle.flight_params import FlightParams
 
 
 class FrameModel(Protocol):
@@ -23,6 +25,7 @@ class FrameModel(Protocol):
     camera: Camera
     threshold: float
     place: Place | None
+    rules: FlightRules
 
     def predict(self, image: NDArray[np.uint8], up_cam: ArrayLike | None = None) -> Any:
         """An object with `p_above` and `elevation`, (h, w) each."""
@@ -72,11 +75,26 @@ class Perception:
     ranged: FreeDistances | None = None
 
     @classmethod
-    def of(cls, model: FrameModel, mount_rpy_rad: Sequence[float], frames: int = 3) -> "Perception":
-        """Everything that does not change during a flight."""
+    def of(
+        cls,
+        model: FrameModel,
+        mount_rpy_rad: Sequence[float],
+        frames: int | None = None,
+        flight: FlightParams | None = None,
+    ) -> "Perception":
+        """Everything that does not change during a flight.
+
+        Args:
+            model: whose rules are followed.
+            mount_rpy_rad: of the camera in the body.
+            frames: that the filter joins; left out: as `flight` says.
+            flight: of the filter; left out: the model's.
+        """
         rays, forward_cam = model_rays(model), forward_in_camera(mount_rpy_rad)
-        judge = Judge(model.camera, model.place)
-        return cls(model, rays, forward_cam, bearings_for(rays, forward_cam), SectorFilter(frames), judge)
+        judge = Judge(model.camera, model.place, model.rules.evidence)
+        flight = flight or model.rules.flight
+        joined = SectorFilter(frames or flight.filter_frames, flight.filter_age_s, flight.filter_gap_s)
+        return cls(model, rays, forward_cam, bearings_for(rays, forward_cam), joined, judge)
 
     def unknown(self) -> FreeDistances:
         """What holds of a picture without attitude."""
@@ -116,8 +134,9 @@ class Perception:
             height_m,
             floor_p=p_of_entropy(self.model.threshold),
             connected_only=self.connected_only,
+            rules=self.model.rules.ranging,
         )
-        self.judge.place = self.model.place  # a fresh file brings its own
+        self.judge.follow(self.model.place, self.model.rules.evidence)  # a fresh file brings its own
         self.ranged = found
         self.judged = self.judge.judge(
             time_s, image, up_cam, outputs.p_above, outputs.elevation, found, polar, doubts=doubts

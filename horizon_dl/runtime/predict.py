@@ -46,7 +46,8 @@ class FilePredictor:
             problem = f"is {theirs} pixels, the model takes {_size(model.camera)}"
             raise FrameError(frame.name, problem, "export for this size with `horizon-dl export RUN --size`")
         found = model.predict(frame.image, frame.up_cam if has_attitude(frame) else None)
-        return replace(of_outputs(frame, found, model.threshold, self._rays), place=model.place)
+        said = of_outputs(frame, found, model.threshold, self._rays)
+        return replace(said, place=model.place, rules=model.rules)
 
 
 def of_outputs(frame: Frame, found: Outputs, threshold: float, directions: NDArray[np.float32]) -> Prediction:

@@ -1,6 +1,6 @@
 """What a model says of a frame, be it a run folder's net, an exported file or a learner at work."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -10,11 +10,14 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View
 from horizon_dl.evidence.place import Place
-from horizon_dl.uncertainty.measures import Measures
+from horizon_dl.runtime.rules import FlightRules
+from horizon_dl.uncertainty.measures import Measures, p_other_side
 from horizon_dl.uncertainty.obstacle_map import obstacle_map
 
-DRAWN_SCORE = "entropy"
-"""The measure that is drawn, thresholded into the obstacle map and reported as the product's own score."""
+FLOWN_SCORE = "surprisal"
+"""The product's own score: what is flown is where it rises along a bearing, and reports are headed by it."""
+PAPER_SCORE = "entropy"
+"""The paper's score; the paper's threshold on it gives the obstacle map that stands beside what is flown."""
 
 
 @dataclass(frozen=True)
@@ -24,10 +27,11 @@ class Prediction:
     Attributes:
         view: the frame at that size; its elevation is NaN where no attitude is known.
         measures: maps; without attitude the surprisal means nothing.
-        threshold: above which the score is an obstacle, in its unit.
-        obstacles: the score over the threshold, lone pixels removed.
+        threshold: the paper's, of the entropy, bits.
+        obstacles: the entropy over the threshold, lone pixels removed: the paper's obstacle map.
         directions: (h, w, 3) unit rays, optical frame, NaN where not valid; None without a camera.
         place: limits for the evidence of free sectors; None where the model has none.
+        rules: by which it is ranged and judged.
     """
 
     view: View
@@ -36,20 +40,25 @@ class Prediction:
     obstacles: NDArray[np.bool_]
     directions: NDArray[np.float32] | None = None
     place: Place | None = None
+    rules: FlightRules = field(default_factory=FlightRules)
 
     @classmethod
     def of(
         cls, view: View, measures: Measures, threshold: float, directions: NDArray[np.float32] | None = None
     ) -> "Prediction":
-        """With the obstacle map that the score and its threshold make."""
-        obstacles = obstacle_map(getattr(measures, DRAWN_SCORE), threshold)
+        """With the paper's obstacle map."""
+        obstacles = obstacle_map(measures.entropy, threshold)
         return cls(view, measures, threshold, obstacles, directions)
 
     @property
-    def score(self) -> NDArray[np.float32]:
-        """The map that the threshold belongs to."""
-        score: NDArray[np.float32] = getattr(self.measures, DRAWN_SCORE)
-        return score
+    def has_attitude(self) -> bool:
+        """Whether the horizon is known, without which nothing is flown."""
+        return not bool(np.isnan(self.view.elevation).all())
+
+    @property
+    def flown_score(self) -> NDArray[np.float32]:
+        """(h, w) in [0, 1], the surprisal as the probability of the other side; needs an attitude."""
+        return p_other_side(self.measures.p_above, self.view.elevation > 0)
 
     def arrays(self) -> dict[str, Any]:
         """All maps by name, the float ones as float16."""

@@ -1,6 +1,6 @@
 """One frame ranged and a heading chosen: what a map means for a vehicle."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from horizon_dl.ranging.free_distance import (
 )
 from horizon_dl.ranging.heading import Heading, free_heading
 from horizon_dl.runtime.prediction import Prediction
+from horizon_dl.runtime.rules import FlightRules
 
 Vector = NDArray[np.float64] | tuple[float, float, float]
 
@@ -45,6 +46,8 @@ class Ranged:
         up_cam: (3,) the floor's normal in the optical frame.
         vehicle: whose heading.
         forward_cam: (3,) what bearing zero means.
+        doubts: why the frame, or some of its sectors, are unknown.
+        asked: whether evidence was asked for, as it is in flight.
     """
 
     found: FreeDistances
@@ -52,6 +55,8 @@ class Ranged:
     up_cam: NDArray[np.float64]
     vehicle: Vehicle = DRONE
     forward_cam: Vector = OPTICAL_AXIS
+    doubts: tuple[str, ...] = ()
+    asked: bool = True
 
     @property
     def has_metres(self) -> bool:
@@ -73,6 +78,7 @@ def range_frame(
     p_above: NDArray[np.float32],
     threshold: float,
     place: Place | None = None,
+    rules: FlightRules | None = None,
 ) -> Ranged | None:
     """Distances per bearing, and the free heading nearest to the optical axis; None without an attitude.
 
@@ -86,6 +92,7 @@ def range_frame(
         p_above: (h, w) a learner's.
         threshold: the learner's entropy threshold, bits.
         place: limits for the evidence; None asks for none, as for nets that are not flown.
+        rules: of ranging and evidence; the defaults if left out.
 
     Returns:
         None also where the camera looks straight up or down.
@@ -97,13 +104,19 @@ def range_frame(
         polar = polar_view(directions, up_cam, bearings=bearings_for(directions, OPTICAL_AXIS))
     except ValueError:
         return None
-    found = free_distances_from_p(p_above, polar, frame.height_m, floor_p=p_of_entropy(threshold))
+    rules = rules or FlightRules()
+    found = free_distances_from_p(
+        p_above, polar, frame.height_m, floor_p=p_of_entropy(threshold), rules=rules.ranging
+    )
+    doubts: tuple[str, ...] = ()
     if place is not None:
         up = elevation(directions, frame.up_cam)
-        judge = Judge(frame.calibrated, place)
+        judge = Judge(frame.calibrated, place, rules.evidence)
         judged = judge.judge_picture(frame.time_s, frame.image, p_above, up, found, polar)
         found = no_distances(found.bearing_rad) if judged.reasons else judged.found
-    return ranged(found, up_cam, DRONE if frame.floor_up_cam is None else CAR)
+        doubts = judged.doubts
+    vehicle = DRONE if frame.floor_up_cam is None else CAR
+    return replace(ranged(found, up_cam, vehicle), doubts=doubts, asked=place is not None)
 
 
 def ranged(
@@ -119,7 +132,9 @@ def ranged(
 
 def ranges_of(frame: Frame, prediction: Prediction) -> Ranged | None:
     """`range_frame` of a prediction; None without camera or attitude."""
-    if prediction.directions is None or np.isnan(prediction.view.elevation).all():
+    if prediction.directions is None or not prediction.has_attitude:
         return None
     measures, threshold = prediction.measures, prediction.threshold
-    return range_frame(frame, prediction.directions, measures.p_above, threshold, prediction.place)
+    return range_frame(
+        frame, prediction.directions, measures.p_above, threshold, prediction.place, prediction.rules
+    )

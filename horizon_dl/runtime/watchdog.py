@@ -3,13 +3,11 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
+from horizon_dl.vehicle.flight_params import FlightParams
+
 Clock = Callable[[], float]
 
-STALE_S = 0.3
-REPEAT_S = 5.0
 REASONS_LENGTH = 31
-DOUBT_S = 2.0
-"""A doubt is said for so long after the last frame that raised it: what flickers is not said anew."""
 
 
 @dataclass
@@ -20,8 +18,7 @@ class Watchdog:
 
     Attributes:
         clock: monotonic seconds.
-        stale_s: oldest picture, attitude or result that still counts.
-        repeat_s: how often a trouble that lasts is said again.
+        params: what is stale, and how often and how long a trouble is said.
         hint: says more of a stale attitude, where more is known; short.
 
     Example:
@@ -36,8 +33,7 @@ class Watchdog:
     """
 
     clock: Clock
-    stale_s: float = STALE_S
-    repeat_s: float = REPEAT_S
+    params: FlightParams = field(default_factory=FlightParams)
     hint: Callable[[], str] = str
     _camera_s: float | None = None
     _attitude_s: float | None = None
@@ -69,10 +65,10 @@ class Watchdog:
         self._doubts_s.update({str(reason): self.clock() for reason in reasons})
 
     def doubts(self) -> tuple[str, ...]:
-        """Reasons of the last two seconds, the newest last."""
+        """Reasons of the last `doubt_s` seconds, the newest last."""
         now = self.clock()
         newest = list(self._doubts_s.items())  # a copy: another thread adds to it
-        return tuple(reason for reason, since_s in newest if now - since_s <= DOUBT_S)
+        return tuple(reason for reason, since_s in newest if now - since_s <= self.params.doubt_s)
 
     def troubles(self) -> tuple[str, ...]:
         """What is wrong now, most basic first; empty if the newest sectors may be believed."""
@@ -91,7 +87,7 @@ class Watchdog:
         """The line that is due now for the pilot: on every change, and again while a trouble lasts."""
         troubles, now = self.troubles() or self.doubts(), self.clock()
         changed = troubles != self._said
-        if not changed and not (troubles and now - self._said_s >= self.repeat_s):
+        if not changed and not (troubles and now - self._said_s >= self.params.repeat_s):
             return None
         first_and_good = self._said is None and not troubles
         self._said, self._said_s = troubles, now
@@ -100,7 +96,7 @@ class Watchdog:
         return "Obstacles: ready" if first_and_good else "Obstacles: recovered"
 
     def _stale(self, time_s: float | None) -> bool:
-        return time_s is None or self.clock() - time_s > self.stale_s
+        return time_s is None or self.clock() - time_s > self.params.stale_s
 
 
 def fitting(reasons: Sequence[str]) -> str:

@@ -12,7 +12,7 @@ from horizon_dl.schemas.run import CameraFields
 
 
 class CardThreshold(Part):
-    """The entropy over which a pixel is an obstacle."""
+    """The paper's: the entropy over which a pixel is an obstacle of its map."""
 
     value: float = Field(ge=0.0, le=1.0)
     unit: str

@@ -6,32 +6,21 @@ from scipy import ndimage
 from skimage.color import rgb2lab
 from skimage.graph import MCP_Geometric
 
-# The constants of the path costs were picked on the scores of arena, corridor, hallway, KITTI and embedded:
-# expect less elsewhere; see docs/RESEARCH.md.
-BLUR = 0.0072
-"""Standard deviation of the blur before the gradient, in square roots of the image's area."""
-CHROMA = 0.25
-"""Weight of the colours against the lightness: shades of one surface differ more in colour than is useful."""
-EDGE_POWER = 1.5
-"""An edge twice as steep is more than twice as costly, so that texture is cheap and contours are not."""
-EDGE_LIMIT = 6.0
-"""No edge is costlier than this many times the mean gradient."""
-LENGTH_COST = 0.1
-"""Cost of a step where nothing changes, in mean gradients."""
-IMAGE_SHARE = 0.5
-"""Weight of the image's edges where there are learned ones beside them."""
+from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
+
 LEAST_P = 0.002
 """Learned probabilities are kept this far from 0 and 1 before their logit is taken."""
-SURE_SHARE = 0.05
-"""Share of the pixels on each side of the horizon that count as surely floor, and surely sky or ceiling."""
-ANGLE_WEIGHT = 0.5
-"""Log odds that a pixel's side is worth more, the mean angle further from the horizon."""
 
 Map = NDArray[np.float32]
 Floats = NDArray[np.float64]
 
 
-def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
+def geodesic_target(
+    image: NDArray[np.uint8],
+    elevation: Map,
+    p_above: Map | None = None,
+    params: GeodesicParams = GEODESIC,
+) -> Map:
     """`0.5 m` below the horizon and `1 - 0.5 m` above, m how much of both sides a pixel has, in [0, 1].
 
     At first `m = exp(-d)`, d the cost of the way to the horizon: a wall that one can climb to the horizon
@@ -44,23 +33,29 @@ def geodesic_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | Non
         image: (h, w, 3) uint8 RGB.
         elevation: (h, w) rad, NaN where the ray is not valid; no path leads through such pixels.
         p_above: (h, w) what a net trained on such targets says: its edges are edges, too, and where it is
-            surest the way begins.
+            surest the paths begin.
+        params: what paths cost.
 
     Returns:
         (h, w) float32 in [0, 1], 1 above, 0.5 on the horizon; NaN where the elevation is NaN.
     """
-    cost = traversal_cost(image, elevation, p_above)
+    cost = traversal_cost(image, elevation, p_above, params)
     distance = horizon_distance(cost, elevation)
-    mixed = nearness(distance, elevation)
+    mixed = nearness(distance, elevation, params.length_cost)
     if p_above is not None:
-        mixed = (mixed + relative_geodesic_position(cost, elevation, p_above, distance)) / 2.0
+        mixed = (mixed + relative_geodesic_position(cost, elevation, p_above, distance, params)) / 2.0
     return _target(mixed, elevation)
 
 
-def one_way_target(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
-    """The geodesic target by the way to the horizon alone, for comparison; see `geodesic_target`."""
-    distance = horizon_distance(traversal_cost(image, elevation, p_above), elevation)
-    return _target(nearness(distance, elevation), elevation)
+def one_way_target(
+    image: NDArray[np.uint8],
+    elevation: Map,
+    p_above: Map | None = None,
+    params: GeodesicParams = GEODESIC,
+) -> Map:
+    """The geodesic target by the path to the horizon alone, for comparison; see `geodesic_target`."""
+    distance = horizon_distance(traversal_cost(image, elevation, p_above, params), elevation)
+    return _target(nearness(distance, elevation, params.length_cost), elevation)
 
 
 def _target(mixed: Map, elevation: Map) -> Map:
@@ -68,7 +63,9 @@ def _target(mixed: Map, elevation: Map) -> Map:
     return np.where(np.isnan(elevation), np.nan, target).astype(np.float32)
 
 
-def relative_geodesic_position(cost: Map, elevation: Map, p_above: Map, distance: Floats) -> Map:
+def relative_geodesic_position(
+    cost: Map, elevation: Map, p_above: Map, distance: Floats, params: GeodesicParams = GEODESIC
+) -> Map:
     """Where a pixel lies on the way from what a net is surest of, 0, to the horizon, 1: `s / (s + d)`.
 
     s is the cost of the way to the sure pixels of the own side, d that of the way to the horizon. So a low
@@ -79,6 +76,7 @@ def relative_geodesic_position(cost: Map, elevation: Map, p_above: Map, distance
         elevation: (h, w) rad, NaN where the ray is not valid.
         p_above: (h, w) what the net says.
         distance: (h, w) d, of `horizon_distance`.
+        params: what is sure.
 
     Returns:
         (h, w) float32 in [0, 1]; 0 where no path leads to the horizon, 0.5 where one does and none to
@@ -88,24 +86,26 @@ def relative_geodesic_position(cost: Map, elevation: Map, p_above: Map, distance
     if not horizon.any():
         return np.zeros(elevation.shape, np.float32)
     # Paths end at the horizon: what is sure on the other side of it says nothing about this one.
-    to_sure = path_cost(np.where(horizon, np.inf, cost), confident_seeds(elevation, p_above) & ~horizon)
+    to_sure = path_cost(
+        np.where(horizon, np.inf, cost), confident_seeds(elevation, p_above, params) & ~horizon
+    )
     reached = np.isfinite(distance)
     share = np.where(horizon, 1.0, np.where(reached, 0.5, 0.0))
     np.divide(to_sure, to_sure + distance, out=share, where=reached & np.isfinite(to_sure) & ~horizon)
     return share.astype(np.float32)
 
 
-def confident_seeds(elevation: Map, p_above: Map) -> NDArray[np.bool_]:
+def confident_seeds(elevation: Map, p_above: Map, params: GeodesicParams = GEODESIC) -> NDArray[np.bool_]:
     """(h, w) bool: those of each side where the net is surest of that side, the far ones before the near.
 
     Where the net is nearly as sure of a dark obstacle as of the floor, the floor is what lies lower.
     """
     odds = np.where(elevation > 0.0, 1.0, -1.0) * logit(p_above)
-    sureness = odds + ANGLE_WEIGHT * relative_angle(elevation)
+    sureness = odds + params.angle_weight * relative_angle(elevation)
     sure = np.zeros(elevation.shape, bool)
     for side in (elevation > 0.0, elevation <= 0.0):
         if side.any():
-            sure |= side & (sureness >= np.quantile(sureness[side], 1.0 - SURE_SHARE))
+            sure |= side & (sureness >= np.quantile(sureness[side], 1.0 - params.sure_share))
     return sure
 
 
@@ -129,13 +129,13 @@ def horizon_distance(cost: Map, elevation: Map) -> Floats:
     return path_cost(cost, horizon_seeds(elevation))
 
 
-def nearness(distance: Floats, elevation: Map) -> Map:
+def nearness(distance: Floats, elevation: Map, least_scale: float = GEODESIC.length_cost) -> Map:
     """`exp(-d)` of the distance to the horizon, (h, w) in [0, 1], 1 on it.
 
     The distance is taken relative to its mean below the horizon: neither light nor resolution matter.
     """
     below = distance[(elevation <= 0.0) & np.isfinite(distance)]
-    scale = max(float(below.mean()) if below.size else 1.0, LENGTH_COST)
+    scale = max(float(below.mean()) if below.size else 1.0, least_scale)
     near: Map = np.exp(-(distance / scale).astype(np.float32))
     return near
 
@@ -158,7 +158,12 @@ def logit(p: Map) -> Map:
     return odds
 
 
-def traversal_cost(image: NDArray[np.uint8], elevation: Map, p_above: Map | None = None) -> Map:
+def traversal_cost(
+    image: NDArray[np.uint8],
+    elevation: Map,
+    p_above: Map | None = None,
+    params: GeodesicParams = GEODESIC,
+) -> Map:
     """Cost of a step of one pixel: a constant, the image's edges, and the learned ones.
 
     It grows with the gradient relative to the image's mean gradient, so that contrast does not matter.
@@ -167,23 +172,25 @@ def traversal_cost(image: NDArray[np.uint8], elevation: Map, p_above: Map | None
         image: (h, w, 3) uint8 RGB.
         elevation: (h, w) rad, NaN where the ray is not valid.
         p_above: see `geodesic_target`.
+        params: see there.
 
     Returns:
         (h, w) float32, infinite where the ray is not valid.
     """
-    blur_px = BLUR * np.sqrt(image.shape[0] * image.shape[1])
-    cost = edge_cost(lab_gradient(image, blur_px))
+    blur_px = params.blur * np.sqrt(image.shape[0] * image.shape[1])
+    cost = edge_cost(lab_gradient(image, blur_px, params.chroma), params)
     if p_above is not None:
-        cost = IMAGE_SHARE * cost + edge_cost(gradient_size(logit(p_above)[..., None], blur_px / 2))
+        learned = gradient_size(logit(p_above)[..., None], blur_px / 2)
+        cost = params.image_share * cost + edge_cost(learned, params)
     # The path finder crashes on NaN, which a net that went astray may give.
     barred = np.isnan(elevation) | np.isnan(cost)
-    return np.where(barred, np.float32(np.inf), LENGTH_COST + cost)
+    return np.where(barred, np.float32(np.inf), params.length_cost + cost)
 
 
-def edge_cost(gradient: Map) -> Map:
-    """Cost of crossing a gradient, relative to its mean over the image, (h, w) in [0, EDGE_LIMIT]."""
+def edge_cost(gradient: Map, params: GeodesicParams = GEODESIC) -> Map:
+    """Cost of crossing a gradient, relative to its mean over the image, (h, w) in [0, edge_limit]."""
     relative = gradient / max(float(gradient.mean()), 1e-3)
-    cost: Map = np.minimum(relative**EDGE_POWER, EDGE_LIMIT)
+    cost: Map = np.minimum(relative**params.edge_power, params.edge_limit)
     return cost
 
 
@@ -201,9 +208,9 @@ def horizon_seeds(elevation: Map) -> NDArray[np.bool_]:
     return seeds
 
 
-def lab_gradient(image: NDArray[np.uint8], blur_px: float) -> Map:
-    """Size of the gradient, CIE Lab units per pixel, colours weighted by `CHROMA`: (h, w) float32."""
-    lab = rgb2lab(image.astype(np.float32) / 255.0) * (1.0, CHROMA, CHROMA)
+def lab_gradient(image: NDArray[np.uint8], blur_px: float, chroma: float = GEODESIC.chroma) -> Map:
+    """Size of the gradient, CIE Lab units per pixel, colours weighted by `chroma`: (h, w) float32."""
+    lab = rgb2lab(image.astype(np.float32) / 255.0) * (1.0, chroma, chroma)
     return gradient_size(lab, blur_px)
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
 from horizon_dl.targets.geodesic import geodesic_target, one_way_target
+from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
 from horizon_dl.targets.guided import guided_target
 from horizon_dl.targets.hard import hard_target
 
@@ -23,13 +24,14 @@ LEARNING = ("one_way_geodesic", "geodesic")
 """Those that also follow what a net has learned so far."""
 
 
-def make_target(kind: str, view: View, p_above: Map | None = None) -> Map:
+def make_target(kind: str, view: View, p_above: Map | None = None, params: GeodesicParams = GEODESIC) -> Map:
     """The target of one view: (h, w) float32 in [0, 1], 1 above; NaN where nothing is known.
 
     Args:
         kind: a name in `TARGETS`.
         view: image and elevation.
         p_above: (h, w) what a net says of the view; only the targets in `LEARNING` follow it.
+        params: of the paths of those.
 
     Raises:
         InputError: if the kind is not known.
@@ -37,5 +39,5 @@ def make_target(kind: str, view: View, p_above: Map | None = None) -> Map:
     if kind not in TARGETS:
         raise InputError("target", f"{kind!r} is not known", f"use one of {', '.join(TARGETS)}")
     if kind in LEARNING:
-        return TARGETS[kind](view.image, view.elevation, p_above)
+        return TARGETS[kind](view.image, view.elevation, p_above, params)
     return TARGETS[kind](view.image, view.elevation)

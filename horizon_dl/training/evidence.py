@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.errors import InputError
+from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 from horizon_dl.evidence.place import Place, PlaceCalibration
 from horizon_dl.evidence.self_assessment import SelfAssessment
 from horizon_dl.models.encoded import EncodedImage
@@ -26,18 +27,21 @@ def place_of(info: Mapping[str, Any], where: str | Path) -> Place | None:
 
 
 def training_evidence(
-    net: HorizonFCN, frames: Iterable[tuple[NDArray[np.uint8], NDArray[np.floating]]]
+    net: HorizonFCN,
+    frames: Iterable[tuple[NDArray[np.uint8], NDArray[np.floating]]],
+    limits: EvidenceLimits = LIMITS,
 ) -> dict[str, Any]:
     """What a net says of some of its training frames, ready for JSON.
 
     Args:
         net: trained.
         frames: image, (h, w, 3) uint8 RGB at the working size, and elevation, (h, w) rad.
+        limits: of the config.
 
     Returns:
         `evidence`, the limits of `Place` (None if no horizon is in view), and `self_assessment`.
     """
-    calibration, assessment = PlaceCalibration(), SelfAssessment()
+    calibration, assessment = PlaceCalibration(limits), SelfAssessment()
     for image, elevation in frames:
         p_above = EncodedImage(net, image).samples().mean(axis=0)
         calibration.add(image, elevation, p_above)

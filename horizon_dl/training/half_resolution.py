@@ -58,7 +58,9 @@ def half_resolution_target(
     size = elevation.shape
     small = View(area_resize(image, (size[1], size[0])), elevation)
     p_above = None if guide is None else guide(image, size)
-    target = np.nan_to_num(make_target(config.target.kind, small, p_above)).astype(np.float16)
+    target = np.nan_to_num(make_target(config.target.kind, small, p_above, config.geodesic)).astype(
+        np.float16
+    )
     return doubled(target, image.shape[:2])
 
 

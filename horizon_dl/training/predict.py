@@ -3,12 +3,14 @@
 from dataclasses import replace
 from pathlib import Path
 
+from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame, checked
 from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View, any_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.runtime.prediction import Prediction
+from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.training.evidence import place_of
 from horizon_dl.training.run_folder import Run, load_run
 from horizon_dl.uncertainty.measures import Measures
@@ -27,7 +29,13 @@ class RunPredictor:
 
     def predict(self, frame: Frame) -> Prediction:
         """See `Predictor`; FrameError for an image of another size than its camera's."""
-        return replace(predict(self.run, checked(frame)), place=place_of(self.run.info, self.name))
+        place = place_of(self.run.info, self.name)
+        return replace(predict(self.run, checked(frame)), place=place, rules=flight_rules(self.run.config))
+
+
+def flight_rules(config: Config) -> FlightRules:
+    """The rules of a config, as a model that is exported with it is flown by."""
+    return FlightRules(config.ranging_params, config.evidence, config.flight)
 
 
 def load_run_predictor(folder: Path) -> RunPredictor:

@@ -11,12 +11,14 @@ from torch import Tensor
 
 from horizon_dl.config import Config, load_config, save_config
 from horizon_dl.errors import InputError
+from horizon_dl.evidence.place import Place
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.output.files import system_error, write_json
 from horizon_dl.output.manifest import Manifest, check_files, file_hash, write_manifest
 from horizon_dl.provenance import machine, versions
 from horizon_dl.schemas.run import RunInfo
+from horizon_dl.training.evidence import place_of
 from horizon_dl.training.run_files import CONFIG, FILES, INFO, WEIGHTS, check_run_folder
 
 TRAIN_AGAIN = "train again"
@@ -40,6 +42,11 @@ class Run:
     def threshold(self) -> float:
         """Entropy above which a pixel counts as obstacle, bits."""
         return float(self.info["threshold"])
+
+    @property
+    def place(self) -> Place | None:
+        """Limits for its evidence; None for a run of before they were kept."""
+        return place_of(self.info, INFO)
 
 
 def weights(net: HorizonFCN) -> dict[str, Tensor]:

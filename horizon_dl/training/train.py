@@ -245,7 +245,8 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
 def evidence_of(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> dict[str, Any]:
     """See `training_evidence`, over at most 100 of the frames."""
     views = store.views(evenly(indices, EVIDENCE_FRAMES))
-    return training_evidence(net, ((view.image, view.elevation) for view in views))
+    frames = ((view.image, view.elevation) for view in views)
+    return training_evidence(net, frames, store.config.evidence)
 
 
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:

@@ -17,6 +17,7 @@ OBSTACLE_COLOUR: Colour = (230, 74, 25)
 HORIZON_COLOUR: Colour = (255, 214, 10)
 HEADING_COLOUR: Colour = (64, 156, 255)
 NO_VALUE_COLOUR: Colour = (222, 222, 222)
+UNKNOWN_COLOUR: Colour = (128, 132, 140)
 
 # Control points every 1/16 of matplotlib's "magma" (CC0): within 3 of 255 of the full table.
 _MAGMA: tuple[Colour, ...] = (

@@ -1,4 +1,4 @@
-"""One picture of a film: image, classification, uncertainty, obstacle map, distances and ground together."""
+"""One picture of a film: image, what is flown, and beside it what the paper draws."""
 
 import math
 from collections.abc import Sequence
@@ -11,6 +11,8 @@ from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.cells import Cells
 from horizon_dl.visualization.colours import Colour, Image
 from horizon_dl.visualization.file_sinks import drawn_ranges
+from horizon_dl.visualization.flown import ranges_title, unknown_words
+from horizon_dl.visualization.panels import ENTROPY_TITLE, FLOWN_TITLE, OBSTACLES_TITLE
 from horizon_dl.visualization.text import paste, shorten, text_image
 from horizon_dl.visualization.top_view import draw_top_view
 
@@ -19,6 +21,7 @@ EMPTY: Colour = (36, 40, 46)
 INK: Colour = (232, 235, 240)
 SOFT: Colour = (168, 176, 188)
 CELL_WIDTH = 400
+CLASSIFICATION = "classification: below green, above blue"
 _GAP = 10
 _TITLE = 34
 _LABEL = 22
@@ -43,25 +46,25 @@ class FilmPicture:
         cells = Cells(frame.image, prediction.view.elevation, self._cell_width)
         if self._cell_height is None:
             self._cell_height = cells.height - cells.height % 2
-        drawn: list[Cell] = [
-            ("image", cells.photo()),
-            ("classification: below green, above blue", cells.map(prediction.measures.p_above, "sides")),
-            ("uncertainty", cells.map(prediction.score, "uncertainty")),
-            ("obstacle map", cells.obstacles(prediction.obstacles)),
-        ]
+        if prediction.has_attitude:
+            says = (FLOWN_TITLE, cells.map(prediction.flown_score, "uncertainty"))
+        else:
+            says = (CLASSIFICATION, cells.map(prediction.measures.p_above, "sides"))
+        drawn: list[Cell] = [("image", cells.photo()), says]
         if self._with_ground:
-            drawn += self._ground(cells, prediction, ranges)
+            drawn += self._flown(cells, prediction, ranges)
+        drawn += [
+            (ENTROPY_TITLE, cells.map(prediction.measures.entropy, "uncertainty")),
+            (OBSTACLES_TITLE, cells.obstacles(prediction.obstacles)),
+        ]
         return self._laid_out(drawn, frame, title_of(ranges))
 
-    def _ground(self, cells: Cells, prediction: Prediction, ranges: Ranged | None) -> list[Cell]:
+    def _flown(self, cells: Cells, prediction: Prediction, ranges: Ranged | None) -> list[Cell]:
         if ranges is None:
-            return [("distances: no attitude", self._empty()), ("from above: no attitude", self._empty())]
-        unit = "m" if ranges.has_metres else "no height, no metres"
+            return [("flown: nothing, no attitude", self._empty()), ("from above: nothing", self._empty())]
         above = draw_top_view(ranges, self._cell_width, self._cell_height or 1)
-        return [
-            (f"distance per bearing ({unit}), heading", cells.picture(drawn_ranges(prediction, ranges))),
-            ("free ground from above, heading", above),
-        ]
+        picture = cells.picture(drawn_ranges(prediction, ranges))
+        return [(ranges_title(ranges), picture), ("the same from above, heading", above)]
 
     def _empty(self) -> Image:
         return np.full((self._cell_height or 1, self._cell_width, 3), EMPTY, np.uint8)
@@ -87,10 +90,11 @@ class FilmPicture:
 
 
 def title_of(ranges: Ranged | None) -> str:
-    """The nearest obstacle and the heading, in words."""
+    """The nearest obstacle, the heading, and why bearings are unknown, in words."""
     if ranges is None:
         return ""
     nearest, heading = ranges.nearest(), ranges.heading
     near = "" if nearest is None else f"nearest {nearest[0]:.1f} m at {math.degrees(nearest[1]):+.0f}°"
     way = "no free heading" if heading is None else f"heading {math.degrees(heading.bearing_rad):+.0f}°"
-    return f"{near}   {way}".strip() if ranges.has_metres else ""
+    said = f"{near}   {way}".strip() if ranges.has_metres else ""
+    return f"{said}   {unknown_words(ranges)}".strip()

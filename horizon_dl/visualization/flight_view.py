@@ -1,5 +1,7 @@
 """What a flight looks at, handed to a sink without holding up the loop."""
 
+from dataclasses import replace
+
 from horizon_dl.data.frame import Frame
 from horizon_dl.ranging.free_distance import FreeDistances
 from horizon_dl.runtime.hot_reload import HotReloadedModel
@@ -10,7 +12,7 @@ from horizon_dl.runtime.ranged import CAR, DRONE, ranged
 from horizon_dl.visualization.newest_only import NewestFirst
 from horizon_dl.visualization.sink import Sink
 
-Look = tuple[Frame, Outputs, FreeDistances, float]
+Look = tuple[Frame, Outputs, FreeDistances, float, tuple[str, ...]]
 
 
 class FlightView:
@@ -27,7 +29,9 @@ class FlightView:
     def look(self, frame: Frame, found: FreeDistances) -> None:
         """A frame, with the attitude it was looked at with, and the sectors that are sent."""
         if self._model.last is not None:
-            self.slot.put((frame, self._model.last, found, self._model.threshold))
+            judged = self._perception.judged
+            doubts = () if judged is None else judged.doubts
+            self.slot.put((frame, self._model.last, found, self._model.threshold, doubts))
 
     def close(self) -> None:
         """Show the last frame and close the sink."""
@@ -35,11 +39,11 @@ class FlightView:
         self._sink.close()
 
     def _take(self, look: Look) -> None:
-        frame, outputs, found, threshold = look
+        frame, outputs, found, threshold, doubts = look
         prediction = of_outputs(frame, outputs, threshold, self._perception.rays)
         floor = frame.floor_normal
         ranges = None
         if floor is not None:
             vehicle = DRONE if frame.floor_up_cam is None else CAR
-            ranges = ranged(found, floor, vehicle, self._perception.forward_cam)
+            ranges = replace(ranged(found, floor, vehicle, self._perception.forward_cam), doubts=doubts)
         self._sink.log(frame, prediction, ranges)

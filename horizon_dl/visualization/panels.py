@@ -1,4 +1,4 @@
-"""Panels: image, classification, uncertainty, obstacle map and truth side by side, a row a method."""
+"""Panels: image, what is flown, the paper's uncertainty and obstacle map, truth; a row a method."""
 
 import io
 from collections.abc import Sequence
@@ -12,11 +12,14 @@ from PIL import Image as PilImage
 from horizon_dl.output import write_bytes
 from horizon_dl.visualization.cells import Cells
 from horizon_dl.visualization.colours import ABOVE_COLOUR, BELOW_COLOUR, OBSTACLE_COLOUR, Image, lookup_table
+from horizon_dl.visualization.flown import RANGES_TITLE
 from horizon_dl.visualization.text import SOFT, paste, shorten, text_image
 
 Floats = NDArray[np.floating]
 
-RANGES_TITLE = "what is flown: distance (m), heading"
+FLOWN_TITLE = "surprise, the score that is flown"
+ENTROPY_TITLE = "entropy, the paper's score"
+OBSTACLES_TITLE = "entropy over the paper's threshold"
 
 _MARGIN = 14
 _GAP = 10
@@ -36,30 +39,34 @@ class PanelRow:
     Attributes:
         name: shown at the left of the row, such as "CNN".
         p_above: probability in [0, 1] that the pixel belongs above the horizon, or None.
-        uncertainty: score in [0, 1], such as the entropy in bits, or None.
-        obstacles: the obstacle map, or None.
-        uncertainty_title: which score it is.
-        ranges: of `range_picture`, any size of the image's aspect, or None.
+        flown: the score that is flown, in [0, 1], or None.
+        ranges: the bearings that are flown, drawn at any size of the image's aspect, or None.
+        ranges_title: what those are.
+        entropy: the paper's score, bits, or None.
+        obstacles: the paper's obstacle map, or None.
     """
 
     name: str
     p_above: Floats | None = None
-    uncertainty: Floats | None = None
-    obstacles: NDArray[np.bool_] | None = None
-    uncertainty_title: str = "uncertainty (entropy)"
+    flown: Floats | None = None
     ranges: Image | None = None
+    ranges_title: str = RANGES_TITLE
+    entropy: Floats | None = None
+    obstacles: NDArray[np.bool_] | None = None
 
 
 def _row_cells(cells: Cells, row: PanelRow) -> list[_Cell]:
     drawn: list[_Cell] = []
     if row.p_above is not None:
         drawn.append(("classification", cells.map(row.p_above, "sides")))
-    if row.uncertainty is not None:
-        drawn.append((row.uncertainty_title, cells.map(row.uncertainty, "uncertainty")))
-    if row.obstacles is not None:
-        drawn.append(("entropy over threshold", cells.obstacles(row.obstacles)))
+    if row.flown is not None:
+        drawn.append((FLOWN_TITLE, cells.map(row.flown, "uncertainty")))
     if row.ranges is not None:
-        drawn.append((RANGES_TITLE, cells.picture(row.ranges)))
+        drawn.append((row.ranges_title, cells.picture(row.ranges)))
+    if row.entropy is not None:
+        drawn.append((ENTROPY_TITLE, cells.map(row.entropy, "uncertainty")))
+    if row.obstacles is not None:
+        drawn.append((OBSTACLES_TITLE, cells.obstacles(row.obstacles)))
     return drawn
 
 
@@ -139,7 +146,7 @@ def frame_panel(
     cell_width: int = 320,
     legend: bool = True,
 ) -> Image:
-    """One picture of a frame as in the paper: image | classification | uncertainty | obstacle map | truth.
+    """One picture of a frame: image | what is flown | the paper's uncertainty and obstacle map | truth.
 
     Args:
         image: (h, w, 3) uint8 RGB.
@@ -155,7 +162,7 @@ def frame_panel(
 
     Example:
         >>> elevation = np.linspace(0.3, -0.3, 24)[:, None] * np.ones((1, 32))
-        >>> row = PanelRow("CNN", p_above=np.full((24, 32), 0.5), uncertainty=np.ones((24, 32)))
+        >>> row = PanelRow("CNN", p_above=np.full((24, 32), 0.5), entropy=np.ones((24, 32)))
         >>> frame_panel(np.zeros((24, 32, 3), np.uint8), elevation, [row], cell_width=64).ndim
         3
     """

@@ -6,11 +6,12 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame
 from horizon_dl.runtime.ranged import Ranged, range_frame
 from horizon_dl.visualization.colours import Image
+from horizon_dl.visualization.flown import unknown_words
 from horizon_dl.visualization.ranges import draw_ranges
 
 
 def draw_ranged(image: Image, directions: NDArray[np.float32], ranged: Ranged) -> Image:
-    """The picture, at the size of the rays, with free ground, contacts and heading; see `draw_ranges`."""
+    """The picture, at the size of the rays, with free, blocked and unknown bearings; see `draw_ranges`."""
     return draw_ranges(
         image,
         directions,
@@ -19,6 +20,7 @@ def draw_ranged(image: Image, directions: NDArray[np.float32], ranged: Ranged) -
         ranged.heading,
         forward_cam=ranged.forward_cam,
         far_m=ranged.vehicle.far_m,
+        words=unknown_words(ranged),
     )
 
 

@@ -1,4 +1,4 @@
-"""Free ground, the distance per bearing and the chosen heading drawn into a picture, for any lens."""
+"""What is flown, drawn into a picture for any lens: free, blocked and unknown bearings, and the heading."""
 
 import math
 from typing import Any
@@ -15,17 +15,20 @@ from horizon_dl.visualization.colours import (
     HEADING_COLOUR,
     HORIZON_COLOUR,
     OBSTACLE_COLOUR,
+    UNKNOWN_COLOUR,
     Image,
+    grey,
     tint,
 )
 from horizon_dl.visualization.overlays import draw_horizon
-from horizon_dl.visualization.text import paste, text_image, text_size
+from horizon_dl.visualization.text import paste, shorten, text_image, text_size
 
 Floats = NDArray[np.floating]
 
 FAR_M = 10.0
 LABEL_PX = 12
 LABEL_GAP_PX = 14
+HATCH_PX = 9
 _BANDS = 6
 
 
@@ -38,11 +41,12 @@ def draw_ranges(
     *,
     forward_cam: NDArray[np.float64] | tuple[float, float, float] = (0.0, 0.0, 1.0),
     far_m: float = FAR_M,
+    words: str = "",
 ) -> Image:
     """The picture with free ground in green, contacts from red (near) to yellow (far), the heading in blue.
 
-    A contact that lies below the picture is drawn at its lower edge with `<` before its metres. Sectors that
-    are unknown stay as they are.
+    A contact that lies below the picture is drawn at its lower edge with `<` before its metres. The ground of
+    sectors that are unknown is grey and hatched.
 
     Args:
         image: (h, w, 3) uint8 RGB.
@@ -53,6 +57,7 @@ def draw_ranges(
         heading: drawn as a line on the ground; None draws none.
         forward_cam: (3,) what bearing zero means, as for the sectors.
         far_m: this far is yellow.
+        words: written at the lower edge, such as why sectors are unknown.
     """
     height, width = directions.shape[:2]
     bearing, depression = directions_to_polar(directions, up_cam, forward_cam)
@@ -62,14 +67,27 @@ def draw_ranges(
     with np.errstate(invalid="ignore"):
         ground = (depression > 0) & (depression > contact)
     drawn = tint(drawn, ground, BELOW_COLOUR, 0.35)
-    drawn = draw_horizon(drawn, -depression)
+    unknown = (depression > 0) & (_by_pixel(found.outcome, sector, Outcome.FREE) == Outcome.UNKNOWN)
+    drawn = draw_horizon(_hatched(drawn, unknown), -depression)
     line_rad = 1.5 * pixel_step_rad(directions)
     edge = np.abs(depression - contact) < line_rad
     drawn = _draw_contacts(drawn, edge, sector, found, far_m)
     if heading is not None:
         off = np.abs(bearing - heading.bearing_rad) * np.cos(depression)
         drawn = tint(drawn, (off < 1.5 * line_rad) & ground, HEADING_COLOUR, 0.95)
-    return _with_labels(drawn, edge, sector, found)
+    drawn = _with_labels(drawn, edge, sector, found)
+    if words:
+        label = text_image(shorten(words, LABEL_PX, width), LABEL_PX)
+        paste(drawn, label, height - label.shape[0], 0)
+    return drawn
+
+
+def _hatched(image: Image, mask: NDArray[np.bool_]) -> Image:
+    """The masked pixels without colour under diagonal stripes."""
+    v, u = np.indices(mask.shape)
+    stripes = mask & ((u + v) % HATCH_PX < HATCH_PX // 3)
+    drawn = np.where(mask[..., None], grey(image), image).astype(np.uint8)
+    return tint(tint(drawn, mask, UNKNOWN_COLOUR, 0.35), stripes, UNKNOWN_COLOUR, 0.6)
 
 
 def _sector_of(bearing: Floats, found: FreeDistances) -> NDArray[np.int64]:

@@ -12,6 +12,7 @@ from horizon_dl.ranging.free_distance import Outcome
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.colours import BELOW_COLOUR, HEADING_COLOUR, OBSTACLE_COLOUR, colour_map
+from horizon_dl.visualization.file_sinks import drawn_ranges
 
 CONNECT = "connect"
 
@@ -55,13 +56,21 @@ class Rerun:
         self._pinhole(frame, prediction)
         view = prediction.view
         self._log("camera/image", rerun.Image(view.image).compress(jpeg_quality=80))
-        for path, values, table in (
-            ("classification", prediction.measures.p_above, "sides"),
-            ("uncertainty", prediction.score, "uncertainty"),
-        ):
+        maps = {
+            "classification": (prediction.measures.p_above, "sides"),
+            "entropy": (prediction.measures.entropy, "uncertainty"),
+        }
+        if prediction.has_attitude:
+            maps["surprise"] = (prediction.flown_score, "uncertainty")
+        for path, (values, table) in maps.items():
             self._log(f"maps/{path}", rerun.Image(colour_map(values, table)).compress(jpeg_quality=80))
-        self._log("maps/obstacles", rerun.SegmentationImage(prediction.obstacles.astype(np.uint8)))
-        self._log("figures/obstacle_share", rerun.Scalars(float(prediction.obstacles.mean())))
+        if ranges is not None:
+            drawn = rerun.Image(drawn_ranges(prediction, ranges)).compress(jpeg_quality=80)
+            self._log("maps/flown", drawn)
+        self._log(
+            "maps/entropy_over_threshold", rerun.SegmentationImage(prediction.obstacles.astype(np.uint8))
+        )
+        self._log("figures/entropy_over_threshold", rerun.Scalars(float(prediction.obstacles.mean())))
         if frame.height_m is not None:
             self._log("figures/height_m", rerun.Scalars(frame.height_m))
         if ranges is not None:
@@ -75,7 +84,7 @@ class Rerun:
     def _pinhole(self, frame: Frame, prediction: Prediction) -> None:
         if self._pinhole_is_known or frame.camera is None:
             return
-        height, width = prediction.score.shape
+        height, width = prediction.measures.entropy.shape
         camera = frame.camera.scaled(width, height)
         pinhole = self._rerun.Pinhole(
             focal_length=(camera.fx, camera.fy),

@@ -15,13 +15,14 @@ GROUND: Colour = (30, 33, 39)
 RING: Colour = (78, 84, 94)
 FREE: Colour = (70, 112, 62)
 MET: Colour = (240, 96, 48)
+UNKNOWN: Colour = (46, 49, 55)
 TEXT: Colour = (196, 202, 212)
 _FINER = 2
 _RING_PX = 14
 
 
 def draw_top_view(ranges: Ranged, width: int, height: int) -> Image:
-    """(height, width, 3): the vehicle at the lower edge looks up; green is free ground, orange is met.
+    """(height, width, 3): the vehicle at the lower edge looks up; green is free, orange met, grey unknown.
 
     Where no metres are known, bearings with an obstacle are marked at the rim.
     """
@@ -53,11 +54,12 @@ def _draw_sectors(
     bearings = found.bearing_rad.astype(np.float64)
     half = (bearings[-1] - bearings[0]) / max(len(bearings) - 1, 1) / 2 if len(bearings) > 1 else 0.02
     for bearing, outcome, metres in zip(bearings, found.outcome, found.distance_m, strict=True):
+        start, end = (math.degrees(bearing + turn) - 90 for turn in (-half, half))
         if outcome == Outcome.UNKNOWN:
+            draw.pieslice(_box(centre, reach), start, end + 0.3, fill=UNKNOWN)
             continue
         shown_m = float(metres) if math.isfinite(metres) else far_m
         radius = reach * min(1.0, shown_m / far_m)
-        start, end = (math.degrees(bearing + turn) - 90 for turn in (-half, half))
         draw.pieslice(_box(centre, radius), start, end + 0.3, fill=FREE)
         if outcome == Outcome.OBSTACLE and shown_m <= far_m:
             draw.arc(_box(centre, radius), start, end + 0.3, fill=MET, width=4 * _FINER)

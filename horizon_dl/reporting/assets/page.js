@@ -135,7 +135,7 @@ const drawMap = () => {
   const {method, level} = state;
   byId("threshold-value").textContent = method.levels[level].toFixed(3);
   byId("threshold").setAttribute("aria-valuetext", `${method.score} over ${method.levels[level].toFixed(3)}`);
-  let words = level === method.own ? "At the model's own threshold" : `At ${method.levels[level].toFixed(3)}`;
+  let words = level === method.own ? "At the paper's threshold" : `At ${method.levels[level].toFixed(3)}`;
   if (live) {
     const {kept, share} = obstacles(live.score, level);
     paint(live.canvas, live.photo, live.horizon, (i) => {
@@ -171,15 +171,15 @@ const show = async () => {
   if (own) {
     const map = make();
     live = {canvas: map, photo, horizon, score};
-    cells.push(cell("obstacle map", map, "map", "Obstacle map."));
+    const paper = [cell(`${state.method.score} over threshold (the paper's)`, map, "map", "Obstacle map of the paper.")];
     const uncertainty = make(), span = state.method.levels.length;
     const heat = Array.from({length: span + 1}, (_, k) => mix(HEAT, state.method.values[k]));
     paint(uncertainty, photo, horizon, (i) => heat[score.data[4 * i]] || HEAT[8]);
-    cells.push(cell(state.method.score, uncertainty, "score", `Map of the ${state.method.score}: bright where the learner is unsure.`));
+    paper.push(cell(`${state.method.score} (the paper's)`, uncertainty, "score", `Map of the ${state.method.score}: bright where the learner is unsure.`));
     const sides = make(), shade = Array.from({length: 256}, (_, k) => mix(SIDES, k / 255));
     paint(sides, photo, horizon, (i) => shade[side.data[4 * i]]);
-    cells.push(cell("classification", sides, "side", "What looks like below the horizon in green, like above in blue."));
-    if (own.ranges) { const img = new Image(); img.src = own.ranges; cells.push(cell("distance per bearing (m), heading", img, "ranges", "Distances drawn into the image. " + (frame.words || ""))); }
+    if (own.ranges) { const img = new Image(); img.src = own.ranges; cells.push(cell("what is flown", img, "ranges", "Free, blocked and unknown bearings drawn into the image. " + (frame.words || ""))); }
+    cells.push(cell("classification", sides, "side", "What looks like below the horizon in green, like above in blue."), ...paper);
   }
   if (frame.truth) { const img = new Image(); img.src = frame.truth; cells.push(cell("truth", img, "truth", "Truth: floor green, obstacles orange, ceiling or sky blue.")); }
   byId("cells").replaceChildren(...cells);

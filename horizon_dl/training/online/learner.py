@@ -153,9 +153,8 @@ class OnlineLearner:
         def run() -> Run:
             threshold = remembered_threshold(net, frames, self.config)
             remembered = ((unpack(frame).image, unpack_elevation(frame)) for frame in frames)
-            evidence = training_evidence(
-                net, ((image, doubled(half, image.shape[:2])) for image, half in remembered)
-            )
+            looks = ((image, doubled(half, image.shape[:2])) for image, half in remembered)
+            evidence = training_evidence(net, looks, self.config.evidence)
             return Run(net, self.config, {**info, "threshold": threshold, **evidence, **rule})
 
         return run
