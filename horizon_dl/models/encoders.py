@@ -1,10 +1,12 @@
-"""Encoders: from an image to features at several depths, all a quarter or an eighth of its size."""
+"""Encoders: from an image to features at several depths, all a quarter or an eighth of its size.
+
+torchvision is imported where it is used: it takes longer to load than all else together.
+"""
 
 from collections.abc import Sequence
 
 from torch import Tensor, nn
 from torch.nn import functional as F  # noqa: N812  (torch's own name)
-from torchvision.models import mobilenet_v3_small, resnet18
 
 DILATIONS = (1, 2, 4, 8)
 TAPPED = (1, 3)
@@ -77,12 +79,16 @@ def small(channels: int) -> tuple[nn.Module, list[int]]:
 
 def mobilenet(_: int) -> tuple[nn.Module, list[int]]:
     """MobileNetV3-Small up to an eighth of the size, from random weights: nothing is downloaded."""
+    from torchvision.models import mobilenet_v3_small
+
     stages = mobilenet_v3_small(weights=None).features
     return StagedEncoder(stages[:3], [stages[3]]), [24, 24]
 
 
 def resnet(_: int) -> tuple[nn.Module, list[int]]:
     """ResNet-18 up to a quarter of the size, from random weights."""
+    from torchvision.models import resnet18
+
     net = resnet18(weights=None)
     stem = nn.Sequential(net.conv1, net.bn1, net.relu, net.maxpool)
     return StagedEncoder(nn.Sequential(stem, net.layer1[0]), [net.layer1[1]]), [64, 64]

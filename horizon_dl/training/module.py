@@ -1,4 +1,4 @@
-"""The Lightning shell around the net: loss, optimiser, schedule."""
+"""The Lightning shell around the net: optimiser, schedule, crops."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -7,35 +7,16 @@ import lightning
 import numpy as np
 import torch
 from torch import Tensor
-from torch.nn import functional as F  # noqa: N812  (torch's own name)
 from torch.utils.data import IterableDataset
 
 from horizon_dl.config import TrainConfig
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import Batch, draw_batch
-from horizon_dl.training.distributed import mean_of_processes, process_count, process_number
 from horizon_dl.training.frame_store import FramePool
+from horizon_dl.training.loss import horizon_loss
 from horizon_dl.training.resumable import RoundState, optimiser_state, optimiser_tensors
-
-
-def horizon_loss(logits: Tensor, batch: Batch) -> Tensor:
-    """Cross-entropy with the soft targets, nats, mean over the pixels that count and over the depths.
-
-    With several processes the pixels of all of them are counted, so that the mean of their losses is the loss
-    of one process with all their crops.
-
-    Args:
-        logits: (N, depths, h, w), as coarse as the net gives them; targets are averaged to that size.
-        batch: targets and weights, (N, 1, H, W).
-    """
-    targets, weights = (
-        F.interpolate(part, size=logits.shape[-2:], mode="area") for part in (batch.targets, batch.weights)
-    )
-    losses = F.binary_cross_entropy_with_logits(logits, targets.expand_as(logits), reduction="none")
-    return (losses.mean(dim=1, keepdim=True) * weights).sum() / mean_of_processes(weights.sum()).clamp(
-        min=1.0
-    )
+from horizon_dl.training.several_processes import process_count, process_number
 
 
 class HorizonModule(lightning.LightningModule):
