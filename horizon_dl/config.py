@@ -110,6 +110,13 @@ class ThresholdConfig(Section):
     percentile: Annotated[float, Field(gt=0.0, lt=100.0)] = 25.0
 
 
+class LoggerConfig(Section):
+    """Where the curves of a training go: one of Lightning's loggers."""
+
+    kind: Literal["tensorboard", "csv", "mlflow", "wandb", "none"] = "tensorboard"
+    options: dict[str, Any] = {}
+
+
 class Config(Section):
     """The whole configuration."""
 
@@ -123,6 +130,27 @@ class Config(Section):
     online: OnlineConfig = OnlineConfig()
     forest: ForestConfig = ForestConfig()
     threshold: ThresholdConfig = ThresholdConfig()
+    logger: LoggerConfig = LoggerConfig()
+
+    def changed(self) -> dict[str, Any]:
+        """Values that are not the built-in ones, by dotted key.
+
+        Example:
+            >>> Config(train=TrainConfig(batch=4)).changed()
+            {'train.batch': 4}
+        """
+        ours, default = _leaves(self), _leaves(Config())
+        return {key: value for key, value in ours.items() if value != default[key]}
+
+
+def _leaves(config: Config) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in config:
+        if isinstance(value, Section):
+            found |= {f"{name}.{key}": one for key, one in value}
+        else:
+            found[name] = value
+    return found
 
 
 def load_config(source: str | Path | None = None, overrides: Sequence[str] = ()) -> Config:

@@ -84,7 +84,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_viewers(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Fly until the source ends, the time is over, Ctrl-C or SIGTERM; then print the figures."""
     import signal
     import time
@@ -141,6 +141,7 @@ def run(arguments: argparse.Namespace) -> None:
     _say(figures)
     if arguments.record:
         print(f"look at {arguments.record / 'index.html'}")
+    return figures
 
 
 def _source(arguments: argparse.Namespace) -> "FrameSource":

@@ -10,7 +10,7 @@ DIR then holds index.html, film.mp4 (H.264; needs the extra `logs`), panels/NAME
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.options import add_data, add_out, given, is_model_file, positive_int, say_skipped
 
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Predict frame by frame and write as it goes."""
     from horizon_dl.errors import InputError
     from horizon_dl.output.files import check_file
@@ -67,6 +67,7 @@ def run(arguments: argparse.Namespace) -> None:
     if not can_film():
         print(NO_FILM)
     print(f"look at {arguments.out / 'index.html'}")
+    return {"out": arguments.out, "frames": count, "skipped": skipped}
 
 
 def _predict(
@@ -74,11 +75,10 @@ def _predict(
 ) -> tuple[int, dict[str, str]]:
     from itertools import islice
 
-    from tqdm import tqdm
-
     from horizon_dl.cli.stopping import stopping
     from horizon_dl.data.source import Recording
     from horizon_dl.output.names import ResultNames
+    from horizon_dl.progress import show_progress
     from horizon_dl.reporting.outputs import film_and_page
     from horizon_dl.visualization.file_sinks import Arrays, Panels
     from horizon_dl.visualization.log_predictions import log_predictions
@@ -93,7 +93,7 @@ def _predict(
     ]
     lengths = [n for n in (source.length, arguments.max_frames) if n is not None]
     frames = islice(source.frames(), arguments.max_frames)
-    bar = tqdm(frames, "predict", total=min(lengths, default=None), unit="frame")
+    bar = show_progress(frames, "predict", total=min(lengths, default=None), unit="frame")
     with closing(sinks) as sink, stopping(source.stop) as stopped:
         return log_predictions(predictor, bar, sink, stopped)
 

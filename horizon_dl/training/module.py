@@ -28,6 +28,7 @@ class HorizonModule(lightning.LightningModule):
         config: TrainConfig,
         steps: int,
         *,
+        done: int = 0,
         after_step: Callable[["HorizonModule"], None] | None = None,
         going_on: RoundState | None = None,
     ) -> None:
@@ -37,13 +38,14 @@ class HorizonModule(lightning.LightningModule):
             net: to train.
             config: how.
             steps: of the round.
+            done: steps of the rounds before, on which the logs go on.
             after_step: called after every step, when it has gone into the average.
             going_on: a state within the round, of `snapshot`.
         """
         super().__init__()
         self.net = net.requires_grad_(True)
         self.config = config
-        self.steps = steps
+        self.steps, self._done = steps, done
         self.average = averaged(net, config.average_decay)
         self._after_step, self._going_on = after_step, going_on
         self._first = 0 if going_on is None else going_on.step
@@ -93,8 +95,8 @@ class HorizonModule(lightning.LightningModule):
         """Loss of one batch of crops."""
         loss = horizon_loss(self.net(batch.images), batch)
         self.log("loss", loss, prog_bar=True, sync_dist=True)
-        if self._first:  # the logs' steps go on, too
-            self.log("step", float(self.taken))
+        self.log("learning_rate", self.trainer.optimizers[0].param_groups[0]["lr"])
+        self.log("step", float(self._done + self.taken))  # Lightning counts from 0 in every round
         return loss
 
     def on_train_batch_end(self, *_: Any) -> None:
