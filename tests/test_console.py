@@ -1,4 +1,4 @@
-"""How loud the command line is: `--quiet`, `-v`, `--json`, colours, and progress where there is no terminal."""
+"""How loud the command line is: `--quiet`, `-v`, `--json`, colours, and progress without a terminal."""
 
 import io
 import json

@@ -61,13 +61,16 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         if arguments.video and film:
             write_bytes(arguments.video, (folder / FILM).read_bytes())
     say_skipped(skipped)
+    note = predictor.note()
+    if note:
+        print(f"note: {note}")
     print(f"wrote {count} panels and arrays to {arguments.out}")
     if arguments.video and film:
         print(f"wrote {count} frames to {arguments.video}")
     if not can_film():
         print(NO_FILM)
     print(f"look at {arguments.out / 'index.html'}")
-    return {"out": arguments.out, "frames": count, "skipped": skipped}
+    return {"out": arguments.out, "frames": count, "skipped": skipped, "note": note}
 
 
 def _predict(
@@ -108,6 +111,9 @@ def _lead(page: "Page", predictor: "Predictor", source: "FrameSource") -> str:
         words += f" On the {len(page.aucs)} with truth the AUC of its obstacles is {auc:.3f} in the mean."
     if predictor.trained_on == source.name:
         words += " It was trained on these frames, or on frames of the same place: expect less elsewhere."
+    note = predictor.note()
+    if note:
+        words += f" {note[0].upper()}{note[1:]}."
     if source.camera is None:
         words += " Without a camera and an attitude there is no horizon, and there are no distances."
     return words

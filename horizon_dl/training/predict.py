@@ -26,6 +26,9 @@ class RunPredictor:
     def check(self, source: FrameSource) -> None:
         """Every source fits."""
 
+    def note(self) -> None:
+        """Nothing to note: a run's net works at every size."""
+
     def predict(self, frame: Frame) -> Prediction:
         """See `Predictor`; FrameError for an image of another size than its camera's."""
         return replace(predict(self.run, checked(frame)), place=place_of(self.run.info, self.name))
