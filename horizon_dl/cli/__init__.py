@@ -44,6 +44,7 @@ EXTRA_OF = {
     "cv2": "drone",
     "av": "logs",
     "rerun": "viz",
+    "cyclonedds": "dds",
     "cryptography": "sign",
 }
 OURS = "horizon_dl"

@@ -81,6 +81,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--record", type=Path, metavar="DIR", help="leave index.html, film.mp4 and flight.json there"
     )
+    parser.add_argument(
+        "--dds",
+        metavar="[ADDRESS:]DOMAIN",
+        help="also publish what ROS 2 nodes read; only for this machine unless an ADDRESS is given",
+    )
     add_viewers(parser)
 
 
