@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 UV     := .uv/bin/uv
 STAMP  := $(VENV)/.installed
 
-.PHONY: demo test lint coverage docs matrix clean
+.PHONY: demo test lint coverage notebooks docs matrix clean
 .DELETE_ON_ERROR:
 
 # uv is a fast installer from the ordinary package registry; it lives in a folder of its own.
@@ -34,6 +34,10 @@ test: lint
 # Lines of the rooms that a vehicle depends on, and of the figures.
 coverage: $(STAMP)
 	$(BIN)/pytest -q -m "not slow" --cov=horizon_dl --cov-report=term:skip-covered
+
+# Runs the notebooks and stores what they show.
+notebooks: $(STAMP)
+	$(BIN)/python benchmarks/store_notebooks.py
 
 docs: $(STAMP)
 	$(BIN)/mkdocs build --strict --site-dir build/site

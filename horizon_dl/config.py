@@ -1,7 +1,7 @@
 """The configuration: one tree of checked values, read from a commented YAML file."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import is_dataclass, replace
 from math import radians
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -117,6 +117,13 @@ class ThresholdConfig(Section):
     percentile: Annotated[float, Field(gt=0.0, lt=100.0)] = 25.0
 
 
+class LoggerConfig(Section):
+    """Where the curves of a training go: one of Lightning's loggers."""
+
+    kind: Literal["tensorboard", "csv", "mlflow", "wandb", "none"] = "tensorboard"
+    options: dict[str, Any] = {}
+
+
 class Config(Section):
     """The whole configuration."""
 
@@ -135,11 +142,34 @@ class Config(Section):
     ranging: Annotated[RangingParams, AsSection()] = RangingParams()
     evidence: Annotated[EvidenceLimits, AsSection()] = EvidenceLimits()
     flight: Annotated[FlightParams, AsSection()] = FlightParams()
+    logger: LoggerConfig = LoggerConfig()
 
     @property
     def ranging_params(self) -> RangingParams:
         """`ranging` with `contact`: all that turns a frame into distances."""
         return replace(self.ranging, rise=self.contact)
+
+    def changed(self) -> dict[str, Any]:
+        """Values that are not the built-in ones, by dotted key.
+
+        Example:
+            >>> Config(train=TrainConfig(batch=4)).changed()
+            {'train.batch': 4}
+        """
+        ours, default = _leaves(self), _leaves(Config())
+        return {key: value for key, value in ours.items() if value != default[key]}
+
+
+def _leaves(config: Config) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in config:
+        if isinstance(value, Section):
+            found |= {f"{name}.{key}": one for key, one in value}
+        elif is_dataclass(value):
+            found |= {f"{name}.{key}": one for key, one in vars(value).items()}
+        else:
+            found[name] = value
+    return found
 
 
 def load_config(source: str | Path | None = None, overrides: Sequence[str] = ()) -> Config:

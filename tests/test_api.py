@@ -19,6 +19,23 @@ def test_every_public_name_is_there() -> None:
         _ = horizon_dl.nonsense
 
 
+@pytest.mark.parametrize("before", ["pass", "import horizon_dl.export.entropy"])
+def test_a_public_name_can_be_called_where_a_room_has_the_same(before: str) -> None:
+    """`export` is a room and a function: whichever comes first."""
+    rooms = {path.parent.name for path in Path(horizon_dl.__file__).parent.glob("*/__init__.py")}
+    names = ", ".join(sorted(rooms & set(horizon_dl.__all__)))
+    code = f"{before}\nfrom horizon_dl import {names}\nassert all(callable(one) for one in [{names}])"
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_the_public_export_is_the_one_of_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    from horizon_dl.export import export as module
+
+    monkeypatch.setattr(module, "export_run", lambda *given, **named: (given, named))
+    assert horizon_dl.export("run", "camera", frames=()) == (("run", "camera"), {"frames": ()})
+
+
 def test_nothing_heavy_is_loaded_before_it_is_asked_for() -> None:
     code = (
         "import sys, horizon_dl\n"

@@ -36,11 +36,9 @@ def train(data: Path, out: Path, *options: str) -> tuple[dict[str, np.ndarray], 
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("trained on") == 1
-    losses = []
-    for number in (0, 1):
-        events = EventAccumulator(str(out / "tensorboard" / f"round_{number}"))
-        events.Reload()
-        losses += [event.value for event in events.Scalars("loss")]
+    events = EventAccumulator(str(out / "tensorboard"))
+    events.Reload()
+    losses = [event.value for event in events.Scalars("loss")]
     return load_file(out / "weights.safetensors"), losses
 
 

@@ -15,7 +15,7 @@ from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import TrainingFrame, draw_batch
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.half_resolution import half_resolution_frame
-from horizon_dl.training.module import horizon_loss
+from horizon_dl.training.loss import horizon_loss
 from horizon_dl.training.online.learner import OnlineLearner
 from horizon_dl.training.run_folder import load_run, save_run
 from horizon_dl.training.train import train_net, train_run

@@ -159,14 +159,51 @@ def test_evaluate_gives_the_same_from_file_and_folder(tmp_path):
     assert file["horizon_accuracy"] == pytest.approx(run["horizon_accuracy"], abs=1e-3)
 
 
-def test_pictures_of_the_camera_are_taken_and_others_left_out(tmp_path, capsys):
+def test_plain_pictures_of_any_size_are_taken_with_a_note(tmp_path, capsys):
     folder = tmp_path / "pictures"
     folder.mkdir()
-    Image.fromarray(toy_frames()[0].image).save(folder / "good.png")
-    Image.fromarray(toy_frames()[0].image[:40]).save(folder / "small.png")
+    whole = Image.fromarray(toy_frames()[0].image)
+    whole.save(folder / "same.png")
+    whole.resize((192, 144), Image.Resampling.NEAREST).save(folder / "twice.png")
+    whole.resize((48, 36)).save(folder / "half.png")
+    whole.crop((0, 0, 96, 40)).save(folder / "flat.png")
     assert main(["predict", str(model_file()), str(folder), "--out", str(tmp_path / "out")]) == 0
-    assert [path.stem for path in (tmp_path / "out" / "arrays").iterdir()] == ["good"]
-    assert "small.png: is 96x40 pixels, the model takes 96x72" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "note: images of another size than the model's 96x72 were scaled" in said
+    assert "1 of 192x144" in said
+    entropy = {path.stem: np.load(path)["entropy"] for path in (tmp_path / "out" / "arrays").iterdir()}
+    shapes = {name: found.shape for name, found in entropy.items()}  # the model works at 81x61
+    assert shapes == {"same": (61, 81), "twice": (61, 81), "half": (61, 81), "flat": (33, 81)}
+    np.testing.assert_array_equal(entropy["twice"], entropy["same"])
+
+
+def test_the_models_camera_at_another_size_has_the_same_rays(tmp_path, capsys):
+    """Pixels repeated twice both ways: what is predicted, and where the horizon lies, is the same."""
+    double = write_toy_set(tmp_path / "double", frames=2)
+    camera = double / "camera.yaml"
+    numbers = {"width: 96": "width: 192", "height: 72": "height: 144", "fx: 80.0": "fx: 160.0"}
+    numbers |= {"fy: 80.0": "fy: 160.0", "cx: 47.5": "cx: 95.5", "cy: 35.5": "cy: 71.5"}
+    text = camera.read_text()
+    for old, new in numbers.items():
+        assert old in text
+        text = text.replace(old, new)
+    single = write_toy_set(tmp_path / "single", frames=2)
+    camera.write_text(text)
+    for folder in ("images", "labels"):
+        for path in (double / folder).iterdir():
+            picture = Image.open(path)
+            picture.resize((192, 144), Image.Resampling.NEAREST).save(path)
+    for name in ("single", "double"):
+        assert (
+            main(["predict", str(model_file()), str(tmp_path / name), "--out", str(tmp_path / f"{name}-out")])
+            == 0
+        )
+    assert "2 of 192x144" in capsys.readouterr().out
+    assert single.exists()
+    for path in (tmp_path / "single-out" / "arrays").iterdir():
+        wanted, found = np.load(path), np.load(tmp_path / "double-out" / "arrays" / path.name)
+        for name in ("entropy", "obstacles", "elevation_rad"):
+            np.testing.assert_array_equal(found[name], wanted[name])
 
 
 @pytest.mark.parametrize("verb", ["predict", "evaluate"])

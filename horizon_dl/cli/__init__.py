@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from importlib import import_module
 
 from horizon_dl import __version__, processes
+from horizon_dl.cli.console import add_console, coloured, console, is_verbose, say, write_result
 from horizon_dl.cli.places import check_places
 from horizon_dl.cli.suggest import SuggestingParser
 from horizon_dl.errors import InputError, printable, shortened
@@ -43,6 +44,7 @@ EXTRA_OF = {
     "cv2": "drone",
     "av": "logs",
     "rerun": "viz",
+    "cyclonedds": "dds",
     "cryptography": "sign",
     "distributed": "cluster",
     "pyulog": "logs",
@@ -51,6 +53,8 @@ EXTRA_OF = {
 }
 """Extra by module, for those that are of another one than `train`."""
 OURS = "horizon_dl"
+PRINTING = ("config", "template", "completion")
+"""Verbs whose results are what they print."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -64,30 +68,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(parsed: argparse.Namespace) -> int:
+    """Run the verb; what it returns, figures and places of files, is the object of `--json`."""
     try:
-        check_places(parsed)
-        parsed.run(parsed)
+        with console(parsed):
+            check_places(parsed)
+            result = parsed.run(parsed)
+        write_result(parsed, {"exit_code": 0, **(result or {})})
     except InputError as error:
-        return _say(2, str(error))
+        return _say(parsed, 2, str(error))
     except ModuleNotFoundError as error:
         missing = (error.name or "").partition(".")[0]
         if missing == OURS:
             raise
         extra = EXTRA_OF.get(missing, "train")
-        return _say(2, f"{parsed.verb}: needs {missing}; pip install 'horizon-dl[{extra}]'")
+        return _say(parsed, 2, f"{parsed.verb}: needs {missing}; pip install 'horizon-dl[{extra}]'")
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except KeyboardInterrupt as error:
-        return _say(1, str(error) or "stopped; nothing half-written is left")
+        return _say(parsed, 1, str(error) or "stopped; nothing half-written is left")
     except Exception as error:
-        if os.environ.get("HORIZON_DL_TRACEBACK"):
+        if os.environ.get("HORIZON_DL_TRACEBACK") or is_verbose(parsed):
             traceback.print_exc()
         first_line = shortened(str(error).strip().partition("\n")[0])
-        return _say(
-            1,
-            f"{parsed.verb} failed: {type(error).__name__}: {first_line}; HORIZON_DL_TRACEBACK=1 shows where",
-        )
+        line = f"{parsed.verb} failed: {type(error).__name__}: {first_line}; -v shows where"
+        return _say(parsed, 1, line)
     return 0
 
 
@@ -111,6 +116,8 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
             module = import_module(f"{OURS}.cli.{verb.replace('-', '_')}")
             child.description = module.__doc__
             module.add_arguments(child)
+            if verb not in PRINTING:
+                add_console(child)
             if "--help" in plain or "-h" in plain:
                 child.epilog = _keys(child)
             child.set_defaults(run=module.run)
@@ -191,6 +198,8 @@ def _keep_silent() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _say(code: int, line: str) -> int:
-    print(f"horizon-dl: {printable(line)}", file=sys.stderr)
+def _say(parsed: argparse.Namespace, code: int, line: str) -> int:
+    line = printable(line)
+    say(f"{coloured('horizon-dl:', 'error', sys.stderr)} {line}")
+    write_result(parsed, {"exit_code": code, "error": line})
     return code

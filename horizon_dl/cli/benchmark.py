@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Measure, print the table, write the figures."""
     from horizon_dl.output.files import check_file, write_json
     from horizon_dl.runtime.benchmark import benchmark
@@ -43,6 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.out:
         write_json(arguments.out, figures)
         print(f"wrote {arguments.out}")
+    return figures
 
 
 def table(figures: dict[str, Any]) -> list[str]:

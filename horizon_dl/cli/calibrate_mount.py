@@ -25,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(parser, what="where to write mount.json", required=False)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Look at the images and print the convention and the correction."""
     recording, axes = open_finding_axes(arguments)
 
@@ -52,6 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
     print("\n".join(says))
     if arguments.out:
         _write(arguments, found)
+    return found
 
 
 def _write(arguments: argparse.Namespace, found: dict[str, Any]) -> None:

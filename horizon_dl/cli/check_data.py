@@ -5,7 +5,10 @@ horizon-dl check-data DATA --out DIR      also writes check.json, horizon overla
 """
 
 import argparse
+import sys
+from typing import Any
 
+from horizon_dl.cli.console import with_level
 from horizon_dl.cli.options import add_config, add_data, add_out, open_finding_axes, resolve_config
 
 
@@ -16,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(parser, what="where to write overlays and the report", required=False)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Check, print the findings, and write the pictures where asked for."""
     recording, axes = open_finding_axes(arguments)
     config = resolve_config(arguments)
@@ -34,8 +37,10 @@ def run(arguments: argparse.Namespace) -> None:
     )
     if axes:
         print(axes)
-    print("\n".join(check_lines(check)))
+    for line in check_lines(check):
+        print(with_level(line, sys.stdout))
     if arguments.out:
         with output_folder(arguments.out, "check-data", overwrite=arguments.overwrite) as folder:
             write_check(check, folder)
         print(f"wrote {arguments.out / 'index.html'}")
+    return check.to_json()

@@ -8,6 +8,7 @@ is used for scoring alone.
 """
 
 import argparse
+from typing import Any
 
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import (
@@ -40,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Compare, write the figures, and print their table."""
     recording = open_data(arguments)
     config = resolve_config(arguments)
@@ -77,3 +78,4 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"the net says of itself: {doubt}")
     say_skipped(result.skipped)
     print(f"wrote {arguments.out / 'metrics.json'} and {arguments.out / 'report.html'}")
+    return {"out": arguments.out, "metrics": result.metrics, "skipped": result.skipped}

@@ -7,7 +7,9 @@ horizon-dl data simulate --out DIR        a new flight through the simulated are
 
 import argparse
 from pathlib import Path
+from typing import Any
 
+from horizon_dl.cli.console import add_console
 from horizon_dl.cli.options import positive_int
 
 
@@ -26,33 +28,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     simulate.add_argument(
         "--seed", type=int, default=0, metavar="N", help="another arena and flight (default: 0)"
     )
+    for action in actions.choices.values():
+        add_console(action)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """List, fetch or simulate."""
-    _ACTIONS[arguments.action](arguments)
+    return _ACTIONS[arguments.action](arguments)
 
 
-def _list(_: argparse.Namespace) -> None:
+def _list(_: argparse.Namespace) -> dict[str, Any]:
     from horizon_dl.download.public_sets import list_sets
 
     for entry in list_sets():
         size = f", {entry.megabytes} MB" if entry.megabytes else ""
         print(f"{entry.name}\n    {entry.what}{size}\n    {entry.licence}; {entry.page}")
+    told = ("name", "what", "licence", "page", "megabytes")
+    return {"sets": [{key: getattr(entry, key) for key in told} for entry in list_sets()]}
 
 
-def _fetch(arguments: argparse.Namespace) -> None:
+def _fetch(arguments: argparse.Namespace) -> dict[str, Any]:
     from horizon_dl.download.fetch import fetch
 
     folder = fetch(arguments.name, arguments.out or Path(arguments.name))
     print(f"wrote {folder}; next: horizon-dl check-data {folder}")
+    return {"out": folder}
 
 
-def _simulate(arguments: argparse.Namespace) -> None:
+def _simulate(arguments: argparse.Namespace) -> dict[str, Any]:
     from horizon_dl.simulation.simulate import simulate
 
     simulate(arguments.out, frames=arguments.frames, seed=arguments.seed, progress=True)
     print(f"wrote {arguments.frames} frames to {arguments.out}; next: horizon-dl check-data {arguments.out}")
+    return {"out": arguments.out, "frames": arguments.frames}
 
 
 _ACTIONS = {"list": _list, "fetch": _fetch, "simulate": _simulate}

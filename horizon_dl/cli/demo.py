@@ -8,7 +8,7 @@ DIR then holds index.html (also as report.html), film.mp4, metrics.json, model.o
 import argparse
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.options import add_config, add_out, resolve_config
 
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(parser, default=Path("demo"))
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """One pass over the embedded flight; every frame is predicted before it is learned from."""
     arguments.overrides.insert(0, FOREST_PIXELS)
     config = resolve_config(arguments)
@@ -57,6 +57,7 @@ def run(arguments: argparse.Namespace) -> None:
     print(metrics_table(result.metrics))
     print("\n".join(told))
     print(f"the report is {(arguments.out / 'report.html').absolute().as_uri()}")
+    return {"out": arguments.out, "metrics": result.metrics}
 
 
 def learned_run(result: "Comparison", recording: "Recording", config: "Config") -> "Run":

@@ -8,6 +8,7 @@ DIR then holds index.html (also as report.html), film.mp4, metrics.json, roc.svg
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from horizon_dl.cli.options import add_data, add_out, add_scheduler, is_model_file, open_data, say_skipped
 
@@ -20,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scheduler(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Evaluate, write the figures, and print their table."""
     if not is_model_file(arguments.run_folder):
         from horizon_dl.training.run_files import check_run_folder
@@ -53,3 +54,4 @@ def run(arguments: argparse.Namespace) -> None:
     print(metrics_table(result.metrics))
     say_skipped(result.skipped)
     print(f"wrote {arguments.out / 'metrics.json'} and {arguments.out / 'report.html'}")
+    return {"out": arguments.out, "metrics": result.metrics, "skipped": result.skipped}

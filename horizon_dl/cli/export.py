@@ -16,7 +16,7 @@ many times as long, and its card says so.
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.options import add_out, add_values
 
@@ -56,7 +56,7 @@ def image_size(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Export, compare, measure, write."""
     from horizon_dl.training.run_files import check_run_folder
 
@@ -101,6 +101,7 @@ def run(arguments: argparse.Namespace) -> None:
             resized = export_run(trained, _resized(camera, width, height)).signed(sign)
             resized.write(folder, f"model-{width}x{height}")
     print(f"wrote {arguments.out}; next: horizon-dl benchmark {arguments.out / 'model.onnx'}")
+    return {"out": arguments.out, "card": exported.card}
 
 
 def _signer(key: Path | None) -> "Signer | None":

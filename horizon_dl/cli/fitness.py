@@ -4,6 +4,8 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
+from horizon_dl.cli.console import say, with_level
+
 if TYPE_CHECKING:
     from horizon_dl.config import Config
     from horizon_dl.data.source import FrameSource
@@ -34,9 +36,9 @@ def stop_if_unfit(source: "FrameSource", config: "Config", *, force: bool) -> No
     for finding in check.findings:
         if finding.level != "ok":
             hint = f"\n  -> {finding.hint}" if finding.hint else ""
-            print(f"{finding.level}: {finding.text}{hint}", file=sys.stderr)
+            say(with_level(f"{finding.level}: {finding.text}{hint}", sys.stderr))
     for note in source.notes:
-        print(f"note: {note}", file=sys.stderr)
+        say(f"note: {note}")
     if check.level == "problem" and not force:
         problem = check.verdict.removeprefix("This data ").rstrip(".")
         if check.unreadable > check.sampled / 2:

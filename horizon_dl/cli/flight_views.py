@@ -41,6 +41,10 @@ def open_view(
             arguments.record, source, title, lambda page: _lead(page, flight), lambda: _facts(flight)
         )
     sinks += open_viewers(arguments, title, lambda: status(flight))
+    if arguments.dds is not None:
+        from horizon_dl.visualization.dds_sink import Dds, Place
+
+        sinks.append(Dds(Place.parse(arguments.dds), arguments.min_distance, arguments.max_distance))
     if not sinks:
         return None
     view = FlightView(model, perception, Sinks(sinks))

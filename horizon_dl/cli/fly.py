@@ -89,10 +89,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--record", type=Path, metavar="DIR", help="leave index.html, film.mp4 and flight.json there"
     )
     add_values(parser, "flight")
+    parser.add_argument(
+        "--dds",
+        metavar="[ADDRESS:]DOMAIN",
+        help="also publish what ROS 2 nodes read; only for this machine unless an ADDRESS is given",
+    )
     add_viewers(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Fly until the source ends, the time is over, Ctrl-C or SIGTERM; then print the figures."""
     import signal
     import time
@@ -154,6 +159,7 @@ def run(arguments: argparse.Namespace) -> None:
     _say(figures)
     if arguments.record:
         print(f"look at {arguments.record / 'index.html'}")
+    return figures
 
 
 def flight_params(own: "FlightParams", overrides: "Sequence[str]") -> "FlightParams":

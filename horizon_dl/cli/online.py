@@ -72,7 +72,7 @@ def positive_seconds(text: str) -> float:
     return value
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Learn until the stream ends, Ctrl-C or SIGTERM; then write the run folder."""
     source = _source(arguments)
     config = resolve_config(arguments)
@@ -106,6 +106,9 @@ def run(arguments: argparse.Namespace) -> None:
             online.run()
     online.finish(**more)
     _say(arguments, online, more)
+    pooled, within = online.figures.auc()
+    counts = {**online.figures.counts(), "auc": pooled, "auc_within_depression": within, **more}
+    return {"out": arguments.out, "data": source.name, "stopped": online.stopped, **counts}
 
 
 def _source(arguments: argparse.Namespace) -> "FrameSource":

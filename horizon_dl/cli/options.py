@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from horizon_dl.cli.console import is_verbose, say
 from horizon_dl.vehicle.flight_params import FlightParams
 
 if TYPE_CHECKING:
@@ -194,7 +195,11 @@ def resolve_config(arguments: argparse.Namespace) -> "Config":
     from horizon_dl.config import load_config
 
     seed = [] if arguments.seed is None else [f"seed={arguments.seed}"]
-    return load_config(arguments.config, [*arguments.overrides, *seed])
+    config = load_config(arguments.config, [*arguments.overrides, *seed])
+    if is_verbose(arguments):
+        changed = config.changed()
+        say("config: " + (", ".join(f"{key} {value}" for key, value in changed.items()) or "the default"))
+    return config
 
 
 def is_model_file(path: Path) -> bool:

@@ -10,7 +10,7 @@ DIR then holds index.html, film.mp4 (H.264; needs the extra `logs`), panels/NAME
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.options import add_data, add_out, given, is_model_file, positive_int, say_skipped
 
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Predict frame by frame and write as it goes."""
     from horizon_dl.errors import InputError
     from horizon_dl.output.files import check_file
@@ -61,12 +61,16 @@ def run(arguments: argparse.Namespace) -> None:
         if arguments.video and film:
             write_bytes(arguments.video, (folder / FILM).read_bytes())
     say_skipped(skipped)
+    note = predictor.note()
+    if note:
+        print(f"note: {note}")
     print(f"wrote {count} panels and arrays to {arguments.out}")
     if arguments.video and film:
         print(f"wrote {count} frames to {arguments.video}")
     if not can_film():
         print(NO_FILM)
     print(f"look at {arguments.out / 'index.html'}")
+    return {"out": arguments.out, "frames": count, "skipped": skipped, "note": note}
 
 
 def _predict(
@@ -74,11 +78,10 @@ def _predict(
 ) -> tuple[int, dict[str, str]]:
     from itertools import islice
 
-    from tqdm import tqdm
-
     from horizon_dl.cli.stopping import stopping
     from horizon_dl.data.source import Recording
     from horizon_dl.output.names import ResultNames
+    from horizon_dl.progress import show_progress
     from horizon_dl.reporting.outputs import film_and_page
     from horizon_dl.visualization.file_sinks import Arrays, Panels
     from horizon_dl.visualization.log_predictions import log_predictions
@@ -93,7 +96,7 @@ def _predict(
     ]
     lengths = [n for n in (source.length, arguments.max_frames) if n is not None]
     frames = islice(source.frames(), arguments.max_frames)
-    bar = tqdm(frames, "predict", total=min(lengths, default=None), unit="frame")
+    bar = show_progress(frames, "predict", total=min(lengths, default=None), unit="frame")
     with closing(sinks) as sink, stopping(source.stop) as stopped:
         return log_predictions(predictor, bar, sink, stopped)
 
@@ -108,6 +111,9 @@ def _lead(page: "Page", predictor: "Predictor", source: "FrameSource") -> str:
         words += f" On the {len(page.aucs)} with truth the AUC of its obstacles is {auc:.3f} in the mean."
     if predictor.trained_on == source.name:
         words += " It was trained on these frames, or on frames of the same place: expect less elsewhere."
+    note = predictor.note()
+    if note:
+        words += f" {note[0].upper()}{note[1:]}."
     if source.camera is None:
         words += " Without a camera and an attitude there is no horizon, and there are no distances."
     return words

@@ -15,7 +15,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config, say_skipped
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Train on all frames and write the run folder; Ctrl-C and SIGTERM leave a checkpoint."""
     from horizon_dl.output.folder import check_free
 
@@ -51,6 +51,7 @@ def run(arguments: argparse.Namespace) -> None:
     stop_if_unfit(recording, config, force=arguments.force)
 
     from horizon_dl.errors import printable
+    from horizon_dl.evaluation.round_log import log_round
     from horizon_dl.evidence.self_assessment import said
     from horizon_dl.output import output_folder
     from horizon_dl.training.resumable import KIND, TrainingKeeper
@@ -64,7 +65,7 @@ def run(arguments: argparse.Namespace) -> None:
     with output_folder(arguments.out, KIND, **replace) as folder:
         with _stopping(keeper):
             trained = train_run(
-                recording, config, log_dir=folder / "tensorboard", progress=True, keeper=keeper
+                recording, config, log_dir=folder, progress=True, keeper=keeper, after_round=log_round
             )
         save_run(folder, trained)
         _show(folder, trained, recording)
@@ -77,6 +78,8 @@ def run(arguments: argparse.Namespace) -> None:
         print(f"the net says of itself: {doubt}")
     print(f"look at {arguments.out / 'index.html'}")
     print(f"wrote {arguments.out}; next: horizon-dl evaluate {arguments.out} {arguments.data} --out DIR")
+    told = ("frames", "train_s", "threshold", "threshold_rule", "skipped", "self_assessment")
+    return {"out": arguments.out, "data": recording.name, **{key: trained.info[key] for key in told}}
 
 
 def _show(folder: Path, trained: "Run", recording: "Recording") -> None:

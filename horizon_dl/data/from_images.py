@@ -5,7 +5,6 @@ from math import degrees, radians
 
 import numpy as np
 from PIL import Image
-from tqdm import tqdm
 
 from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.data.given import Given
@@ -16,6 +15,7 @@ from horizon_dl.geometry.lines import line_planes
 from horizon_dl.geometry.manhattan import up_from_edges
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.geometry.tilts import UpEstimate
+from horizon_dl.progress import show_progress
 
 FROM_IMAGES = "from-images"
 MOST_DOUBT_RAD = radians(4.0)
@@ -41,8 +41,11 @@ def with_attitude_from_images(recording: Recording) -> Recording:
         raise InputError(f"--attitude {FROM_IMAGES}", "needs to know the camera", "give --camera FILE")
     headers: list[FrameHeader] = []
     doubts = []
-    everything = tqdm(
-        range(recording.length), "attitudes from the pictures", disable=recording.length < BAR_FROM
+    everything = show_progress(
+        range(recording.length),
+        "attitudes from the pictures",
+        unit="frame",
+        disable=recording.length < BAR_FROM,
     )
     for index in everything:
         found = _estimate(recording, index)

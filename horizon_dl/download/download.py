@@ -7,9 +7,8 @@ import urllib.request
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from horizon_dl.errors import InputError
+from horizon_dl.progress import show_progress
 
 _AGENT = "horizon-dl (data fetch)"  # some hosts refuse Python's own name
 _BLOCK = 1 << 18
@@ -50,7 +49,7 @@ def _stream(answer: Any, url: str, target: Path, progress: bool) -> str:
     digest, done = hashlib.sha256(), 0
     length = answer.headers.get("Content-Length")
     total = int(length) if length else None
-    bar = tqdm(total=total, unit="B", unit_scale=True, desc=target.name, disable=not progress)
+    bar = show_progress(what=target.name, total=total, unit="B", unit_scale=True, disable=not progress)
     with target.open("wb") as stream, bar:
         while block := answer.read(_BLOCK):
             stream.write(block)

@@ -5,8 +5,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from tqdm import tqdm
-
 from horizon_dl.config import Config
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
@@ -35,6 +33,7 @@ from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.progress import show_progress
 from horizon_dl.training.evidence import place_of
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.train import entropy_threshold, evenly, evidence_of, train_net
@@ -204,5 +203,5 @@ def _baselines(
 
 
 def _bar(items: Iterable[T], what: str, total: int, progress: bool) -> Iterable[T]:
-    bar: Iterable[T] = tqdm(items, what, total=total, unit="frame", disable=not progress)
+    bar: Iterable[T] = show_progress(items, what, total=total, unit="frame", disable=not progress)
     return bar

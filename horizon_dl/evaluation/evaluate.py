@@ -2,8 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from tqdm import tqdm
-
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.compare import Comparison
@@ -21,6 +19,7 @@ from horizon_dl.methods.registry import NET
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
+from horizon_dl.progress import show_progress
 from horizon_dl.runtime.predict import check_camera
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.run_folder import Run
@@ -54,7 +53,7 @@ def evaluate(
         **training_free_methods(run.config.geodesic),
     }
     readings = _readings(methods, store, labelled, workers)
-    bar = tqdm(readings, "evaluate", total=len(labelled), unit="frame", disable=not progress)
+    bar = show_progress(readings, "evaluate", total=len(labelled), unit="frame", disable=not progress)
     ranging = RangingBlock(recording.headers, run.config.ranging_params)
     watch = watching(ranging, on_frame, learner)
     thresholds, band_rad = {learner: run.threshold}, run.config.labels.band_rad

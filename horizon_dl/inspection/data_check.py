@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from tqdm import tqdm
 
 from horizon_dl.data.frame import FrameHeader, has_attitude
 from horizon_dl.data.source import Recording
@@ -35,6 +34,7 @@ from horizon_dl.inspection.timing_and_attitude import (
     timing,
 )
 from horizon_dl.logs.clock.find_clock import find_clock
+from horizon_dl.progress import show_progress
 
 OVERLAYS = 8
 MOST_TRUTHS = 30
@@ -193,4 +193,5 @@ def _truth(recording: Recording, labelled: list[int]) -> TruthStatistics:
 
 
 def _bar(indices: list[int], progress: bool) -> Iterable[int]:
-    return tqdm(indices, "looking at images", unit="image", disable=not progress)
+    bar: Iterable[int] = show_progress(indices, "looking at images", unit="image", disable=not progress)
+    return bar

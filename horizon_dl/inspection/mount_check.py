@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.lines import LinePlanes, line_planes
 from horizon_dl.inspection.mount import Angle, MountFit, fit_mount
+from horizon_dl.progress import show_progress
 
 MOST_FRAMES = 80
 SURE_RAD = math.radians(0.5)
@@ -90,7 +90,7 @@ def check_mount(recording: Recording, stated_rpy_rad: Mount, *, progress: bool =
     chosen = sorted({usable[int(k)] for k in np.linspace(0, len(usable) - 1, MOST_FRAMES).round()})
     planes: list[LinePlanes] = []
     ups: list[Any] = []
-    for index in tqdm(chosen, "looking for edges", unit="image", disable=not progress):
+    for index in show_progress(chosen, "looking for edges", unit="image", disable=not progress):
         try:
             frame = recording.read(index)
         except FrameError:

@@ -6,11 +6,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from tqdm import tqdm
 
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError
 from horizon_dl.inspection.image_rotation import rotation_between
+from horizon_dl.progress import show_progress
 
 Floats = NDArray[np.float64]
 
@@ -62,7 +62,9 @@ def measure_turns(recording: Recording, *, progress: bool = False) -> Turns:
     windows = window_indices(recording.length)
     rows: list[tuple[int, int, int, Floats]] = []
     looked_at = 0
-    for number, window in enumerate(tqdm(windows, "following the pictures", disable=not progress)):
+    for number, window in enumerate(
+        show_progress(windows, "following the pictures", unit="stretch", disable=not progress)
+    ):
         steps = _steps(recording, window)
         looked_at += len(steps)
         for span in SPANS:

@@ -1,4 +1,7 @@
-"""Encoders: from an image to features at several depths, all a quarter or an eighth of its size."""
+"""Encoders: from an image to features at several depths, all a quarter or an eighth of its size.
+
+torchvision is imported where it is used: it takes longer to load than all else together.
+"""
 
 from collections.abc import Sequence
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 from safetensors import SafetensorError
-from tqdm import tqdm
 
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
@@ -21,6 +20,7 @@ from horizon_dl.online.guard import Distrust, StreamGuard
 from horizon_dl.online.periodic_export import PeriodicExport
 from horizon_dl.online.run_directory import KIND, RunDirectory
 from horizon_dl.output import output_folder, write_json
+from horizon_dl.progress import show_progress
 from horizon_dl.runtime.ranged import ranges_of
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.online.learner import OnlineLearner, mean_loss
@@ -111,8 +111,8 @@ class OnlineRun:
             self.keeper.save_first(self._snapshot())
         self.keeper.found = None  # its tensors are in use or copied: a replay memory is not held twice
         total = source.length if max_frames is None else min(max_frames, source.length or max_frames)
-        self._bar = tqdm(
-            desc="online", total=total, initial=self.position, unit="frame", disable=not progress
+        self._bar: Any = show_progress(
+            what="online", total=total, initial=self.position, unit="frame", disable=not progress
         )
         self.rate_hz: float | None = None
         self._last_s = time.perf_counter()

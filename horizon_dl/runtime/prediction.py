@@ -84,3 +84,7 @@ class Predictor(Protocol):
     def predict(self, frame: Frame) -> Prediction:
         """The prediction of one frame, with or without attitude; FrameError where it does not fit."""
         ...
+
+    def note(self) -> str | None:
+        """What a user should know of how frames were predicted, in a sentence; None for nothing."""
+        ...

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import yaml
 from PIL import Image
-from tqdm import tqdm
 
 from horizon_dl.errors import InputError
 from horizon_dl.output import output_folder
+from horizon_dl.progress import show_progress
 from horizon_dl.simulation.shots import MOUNT_RPY_DEG, Shot, focal_length_px, render_flight
 
 COLUMNS = ("image", "time_s", "roll_rad", "pitch_rad", "yaw_rad", "height_m")
@@ -109,7 +109,7 @@ def simulate(
     shots = render_flight(frames, seed, width, height)
     try:
         with output_folder(out, "simulate") as folder:
-            bar = tqdm(shots, total=frames, unit="frame", disable=not progress)
+            bar = show_progress(shots, "rendering", total=frames, unit="frame", disable=not progress)
             _write_set(folder, bar, depth_every, quality)
             (folder / "camera.yaml").write_text(yaml.safe_dump(camera_fields(width, height), sort_keys=False))
     except OSError as error:

@@ -2,7 +2,6 @@
 
 import numpy as np
 import torch
-from kornia.filters import guided_blur
 from numpy.typing import NDArray
 from scipy import ndimage
 
@@ -34,6 +33,8 @@ def guided_target(
     Returns:
         (h, w) float32 in [0, 1], 1 above; NaN where the elevation is NaN.
     """
+    from kornia.filters import guided_blur  # slow to load, and the default target needs none of it
+
     label = _fill_from_nearest(hard_target(image, elevation))
     if label is None:
         return np.full(elevation.shape, np.nan, np.float32)

@@ -1,28 +1,10 @@
-"""Training in several processes that together do what one would do with all their crops."""
-
-from typing import Any
+"""Batch norm over the crops of all processes that train together."""
 
 import torch
 from lightning.pytorch.plugins import LayerSync
-from torch import Tensor, distributed, nn
+from torch import Tensor, nn
 
-
-def process_count() -> int:
-    """Processes that train together; 1 outside distributed training."""
-    return distributed.get_world_size() if _several() else 1
-
-
-def process_number() -> int:
-    """Which of them this is, from 0."""
-    return distributed.get_rank() if _several() else 0
-
-
-def mean_of_processes(value: Tensor) -> Tensor:
-    """The mean over all processes; gradients flow back to all of them."""
-    if not _several():
-        return value
-    total: Tensor = _Sum.apply(value)  # type: ignore[no-untyped-call]
-    return total / process_count()
+from horizon_dl.training.several_processes import mean_of_processes, process_count
 
 
 class GlobalBatchNorm2d(nn.BatchNorm2d):
@@ -33,7 +15,7 @@ class GlobalBatchNorm2d(nn.BatchNorm2d):
 
     def forward(self, features: Tensor) -> Tensor:
         """(N, c, h, w) to the same, normalised while training by the mean and variance of all processes."""
-        if not (self.training and _several()):
+        if not (self.training and process_count() > 1):
             alone: Tensor = super().forward(features)
             return alone
         mean, square = mean_of_processes(
@@ -73,23 +55,3 @@ def _exchanged(model: nn.Module, old: type[nn.Module], new: type[nn.Module]) -> 
         if type(module) is old:
             module.__class__ = new
     return model
-
-
-def _several() -> bool:
-    return distributed.is_available() and distributed.is_initialized() and distributed.get_world_size() > 1
-
-
-class _Sum(torch.autograd.Function):
-    """The sum over all processes; so is its gradient."""
-
-    @staticmethod
-    def forward(_: Any, value: Tensor) -> Tensor:
-        total = value.clone()
-        distributed.all_reduce(total)
-        return total
-
-    @staticmethod
-    def backward(_: Any, gradient: Tensor) -> Tensor:
-        total = gradient.clone().contiguous()
-        distributed.all_reduce(total)
-        return total

@@ -4,13 +4,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
-from tqdm import tqdm
 
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View, make_view
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.progress import show_progress
 from horizon_dl.training.crops import TrainingFrame
 
 T = TypeVar("T")
@@ -99,6 +99,7 @@ class FramePool:
         memory_mb: what the pool may hold.
         rng: random numbers; those of crops, too.
         progress: show a bar.
+        title: stands before the bar, such as "round 1 of 3".
         state: of `state`, to hold the same frames again.
     """
 
@@ -111,6 +112,7 @@ class FramePool:
         memory_mb: int,
         rng: np.random.Generator,
         progress: bool = False,
+        title: str = "",
         state: dict[str, Any] | None = None,
     ) -> None:
         self._store = store
@@ -121,6 +123,7 @@ class FramePool:
         self._held: list[int] = []
         self._waiting: list[int] = []
         self.complete = False
+        self._bar = f"{title}, targets" if title else "targets"
         if state is None:
             order = [int(index) for index in rng.permutation(indices)]
             self.complete = self._fill(order, memory_mb * 2**20, progress)
@@ -145,7 +148,8 @@ class FramePool:
         """Whether all fit."""
         held = 0
         numbered = self._store.usable((index, self._numbered(index)) for index in order)
-        for index, view in tqdm(numbered, "targets", total=len(order), unit="frame", disable=not progress):
+        bar = show_progress(numbered, self._bar, total=len(order), unit="frame", disable=not progress)
+        for index, view in bar:
             self.frames.append(self._make_frame(view))
             self._held.append(index)
             held += self.frames[-1].nbytes

@@ -1,4 +1,4 @@
-"""The Lightning shell around the net: loss, optimiser, schedule."""
+"""The Lightning shell around the net: optimiser, schedule, crops."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -7,35 +7,16 @@ import lightning
 import numpy as np
 import torch
 from torch import Tensor
-from torch.nn import functional as F  # noqa: N812  (torch's own name)
 from torch.utils.data import IterableDataset
 
 from horizon_dl.config import TrainConfig
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import Batch, draw_batch
-from horizon_dl.training.distributed import mean_of_processes, process_count, process_number
 from horizon_dl.training.frame_store import FramePool
+from horizon_dl.training.loss import horizon_loss
 from horizon_dl.training.resumable import RoundState, optimiser_state, optimiser_tensors
-
-
-def horizon_loss(logits: Tensor, batch: Batch) -> Tensor:
-    """Cross-entropy with the soft targets, nats, mean over the pixels that count and over the depths.
-
-    With several processes the pixels of all of them are counted, so that the mean of their losses is the loss
-    of one process with all their crops.
-
-    Args:
-        logits: (N, depths, h, w), as coarse as the net gives them; targets are averaged to that size.
-        batch: targets and weights, (N, 1, H, W).
-    """
-    targets, weights = (
-        F.interpolate(part, size=logits.shape[-2:], mode="area") for part in (batch.targets, batch.weights)
-    )
-    losses = F.binary_cross_entropy_with_logits(logits, targets.expand_as(logits), reduction="none")
-    return (losses.mean(dim=1, keepdim=True) * weights).sum() / mean_of_processes(weights.sum()).clamp(
-        min=1.0
-    )
+from horizon_dl.training.several_processes import process_count, process_number
 
 
 class HorizonModule(lightning.LightningModule):
@@ -47,6 +28,7 @@ class HorizonModule(lightning.LightningModule):
         config: TrainConfig,
         steps: int,
         *,
+        done: int = 0,
         after_step: Callable[["HorizonModule"], None] | None = None,
         going_on: RoundState | None = None,
     ) -> None:
@@ -56,13 +38,14 @@ class HorizonModule(lightning.LightningModule):
             net: to train.
             config: how.
             steps: of the round.
+            done: steps of the rounds before, on which the logs go on.
             after_step: called after every step, when it has gone into the average.
             going_on: a state within the round, of `snapshot`.
         """
         super().__init__()
         self.net = net.requires_grad_(True)
         self.config = config
-        self.steps = steps
+        self.steps, self._done = steps, done
         self.average = averaged(net, config.average_decay)
         self._after_step, self._going_on = after_step, going_on
         self._first = 0 if going_on is None else going_on.step
@@ -112,8 +95,8 @@ class HorizonModule(lightning.LightningModule):
         """Loss of one batch of crops."""
         loss = horizon_loss(self.net(batch.images), batch)
         self.log("loss", loss, prog_bar=True, sync_dist=True)
-        if self._first:  # the logs' steps go on, too
-            self.log("step", float(self.taken))
+        self.log("learning_rate", self.trainer.optimizers[0].param_groups[0]["lr"])
+        self.log("step", float(self._done + self.taken))  # Lightning counts from 0 in every round
         return loss
 
     def on_train_batch_end(self, *_: Any) -> None:

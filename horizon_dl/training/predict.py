@@ -9,6 +9,7 @@ from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View, any_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.models.encoded import EncodedImage
+from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.training.evidence import place_of
@@ -26,6 +27,9 @@ class RunPredictor:
 
     def check(self, source: FrameSource) -> None:
         """Every source fits."""
+
+    def note(self) -> None:
+        """Nothing to note: a run's net works at every size."""
 
     def predict(self, frame: Frame) -> Prediction:
         """See `Predictor`; FrameError for an image of another size than its camera's."""
@@ -46,9 +50,12 @@ def load_run_predictor(folder: Path) -> RunPredictor:
 def predict(run: Run, frame: Frame) -> Prediction:
     """Measures and obstacle map of one frame, with or without attitude."""
     view = any_view(frame, run.config.image.max_pixels)
-    return prediction_of(
-        frame, view, EncodedImage(run.net, view.image).measures(view.elevation > 0), run.threshold
-    )
+    return prediction_of(frame, view, measured(run.net, view), run.threshold)
+
+
+def measured(net: HorizonFCN, view: View) -> Measures:
+    """All a net says of a view, (h, w) each."""
+    return EncodedImage(net, view.image).measures(view.elevation > 0)
 
 
 def prediction_of(frame: Frame, view: View, found: Measures, threshold: float) -> Prediction:

@@ -12,9 +12,8 @@ from typing import Any, cast
 import lightning
 import numpy as np
 import torch
-from lightning.pytorch.loggers import TensorBoardLogger
+from lightning.pytorch.loggers import Logger
 from torch.utils.data import DataLoader
-from tqdm import tqdm
 
 from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.data.source import Recording
@@ -23,17 +22,23 @@ from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.models.build import build_net
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evidence import EVIDENCE_FRAMES, training_evidence
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.half_resolution import guide_of, half_resolution_frame
+from horizon_dl.training.loggers import open_logger
 from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
 from horizon_dl.training.run_folder import Run
+from horizon_dl.training.several_processes import process_number
 from horizon_dl.uncertainty.measures import binary_entropy
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
+
+AfterRound = Callable[[HorizonFCN, FrameStore, int, Logger], None]
+"""Takes the net after a round, its frames, the steps taken so far, and the logger."""
 
 
 def train_net(
@@ -44,6 +49,7 @@ def train_net(
     log_dir: Path | None = None,
     progress: bool = False,
     keeper: TrainingKeeper | None = None,
+    after_round: AfterRound | None = None,
 ) -> HorizonFCN:
     """A net trained on frames of a recording, in rounds.
 
@@ -55,9 +61,10 @@ def train_net(
         store: where the frames come from.
         indices: which of them.
         seed: of weights, crops and dropout; the same seed on the same machine gives the same net.
-        log_dir: folder for TensorBoard logs, or None.
+        log_dir: folder that the config's logger writes to, or None.
         progress: show progress bars.
         keeper: writes checkpoints, and knows whether to go on from one; None: none are written.
+        after_round: is told the net after each round, and the logger where there is one.
 
     Raises:
         InputError: too many of the frames cannot be used.
@@ -67,6 +74,7 @@ def train_net(
     if _in_several_processes(config.trainer):
         keeper = None  # a checkpoint would have to hold the random numbers of all of them
     rng = np.random.default_rng(seed)
+    logger = open_logger(config.logger, log_dir) if log_dir else None
     found = None if keeper is None else keeper.found
     with _quiet_lightning(), torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
@@ -76,8 +84,11 @@ def train_net(
         for number in range(found.number if found else 0, len(config.train.rounds)):
             within = found if found is not None and found.step and found.number == number else None
             net = _train_round(
-                store, indices, net, number, rng, within, log_dir=log_dir, progress=progress, keeper=keeper
+                store, indices, net, number, rng, within, logger=logger, progress=progress, keeper=keeper
             )
+            if logger is not None and after_round is not None and process_number() == 0:
+                after_round(net, store, sum(config.train.rounds[: number + 1]), logger)
+                logger.finalize("success")  # writes what was said after Lightning's own end
             if keeper is not None:
                 keeper.save(_between_rounds(number + 1, net, rng, store))
                 keeper.check_stop()
@@ -96,11 +107,12 @@ def _train_round(
     rng: np.random.Generator,
     within: RoundState | None,
     *,
-    log_dir: Path | None,
+    logger: Logger | None,
     progress: bool,
     keeper: TrainingKeeper | None,
 ) -> HorizonFCN:
     config, steps = store.config, store.config.train.rounds[number]
+    title = f"round {number + 1} of {len(config.train.rounds)}"
     # A copy: targets that are made while the net is trained are those of the round's beginning.
     guide = copy.deepcopy(net).eval() if number else None
     pool = FramePool(
@@ -110,6 +122,7 @@ def _train_round(
         memory_mb=config.train.memory_mb,
         rng=rng,
         progress=progress,
+        title=title,
         state=within.values["pool"] if within else None,
     )
     if within is not None:
@@ -129,12 +142,16 @@ def _train_round(
 
     # Later rounds keep the first one's batch statistics, and drop nothing: see docs/RESEARCH.md.
     module = HorizonModule(
-        net.train(number == 0), config.train, steps, after_step=after_step, going_on=within
+        net.train(number == 0),
+        config.train,
+        steps,
+        done=sum(config.train.rounds[:number]),
+        after_step=after_step,
+        going_on=within,
     )
-    logger = TensorBoardLogger(log_dir, name="", version=f"round_{number}") if log_dir else None
     try:
         crops = DataLoader(stream, batch_size=None)
-        _trainer(config.trainer, steps - first, logger, progress).fit(module, crops)
+        _trainer(config.trainer, steps - first, logger, title if progress else None).fit(module, crops)
     except SystemExit:  # Lightning's way to say that a signal came
         if keeper is None or not keeper.stopped:
             raise KeyboardInterrupt from None
@@ -171,7 +188,7 @@ def _restore(found: RoundState, net: HorizonFCN, rng: np.random.Generator, store
 
 
 def _trainer(
-    settings: TrainerConfig, steps: int, logger: TensorBoardLogger | None, progress: bool
+    settings: TrainerConfig, steps: int, logger: Logger | None, title: str | None
 ) -> lightning.Trainer:
     return lightning.Trainer(
         **settings.model_dump(),
@@ -180,7 +197,7 @@ def _trainer(
         logger=logger or False,
         log_every_n_steps=10,
         enable_progress_bar=False,
-        callbacks=[StepBar()] if progress else [],
+        callbacks=[] if title is None else [StepBar(title)],
         enable_model_summary=False,
         enable_checkpointing=False,
         gradient_clip_val=1.0,
@@ -190,9 +207,12 @@ def _trainer(
 class StepBar(lightning.Callback):
     """A progress bar over training steps, on standard error as all the others."""
 
+    def __init__(self, title: str) -> None:
+        self._title = title
+
     def on_train_start(self, trainer: lightning.Trainer, _: lightning.LightningModule) -> None:
         """Open the bar."""
-        self._bar = tqdm(total=trainer.max_steps, desc="train", unit="step")
+        self._bar: Any = show_progress(what=f"{self._title}, training", total=trainer.max_steps, unit="step")
 
     def on_train_batch_end(self, trainer: lightning.Trainer, *_: Any) -> None:
         """One step on, with the loss of this step."""
@@ -211,6 +231,7 @@ def train_run(
     log_dir: Path | None = None,
     progress: bool = False,
     keeper: TrainingKeeper | None = None,
+    after_round: AfterRound | None = None,
 ) -> Run:
     """Train on all frames of a recording and choose the threshold; the result is ready to be saved.
 
@@ -219,7 +240,15 @@ def train_run(
     store = FrameStore(recording, config)
     indices = range(recording.length)
     start = time.perf_counter()
-    net = train_net(store, indices, seed=config.seed, log_dir=log_dir, progress=progress, keeper=keeper)
+    net = train_net(
+        store,
+        indices,
+        seed=config.seed,
+        log_dir=log_dir,
+        progress=progress,
+        keeper=keeper,
+        after_round=after_round,
+    )
     train_s = time.perf_counter() - start if keeper is None else keeper.train_s
     return finished_run(net, store, train_s)
 

@@ -28,7 +28,7 @@ from horizon_dl.training.half_resolution import (
     half_resolution_frame,
     half_resolution_target,
 )
-from horizon_dl.training.module import horizon_loss
+from horizon_dl.training.loss import horizon_loss
 from horizon_dl.training.online.compression import CompressedFrame, unpack, unpack_elevation
 from horizon_dl.training.online.replay_buffer import ReplayBuffer
 from horizon_dl.training.run_folder import Run
