@@ -3,9 +3,8 @@
 import math
 from pathlib import Path
 
-from PIL import Image
-
 from horizon_dl.calibration.calibration import Calibration, read_calibration
+from horizon_dl.calibration.picture_size import size_of
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
@@ -74,11 +73,7 @@ def _header(path: Path, index: int, mount_rpy_rad: MountRpy) -> FrameHeader:
 
 def _own_camera(path: Path) -> Calibration:
     """A pinhole from the calibrated focal length in pixels (XMP), else from the 35 mm equivalent (EXIF)."""
-    try:
-        with Image.open(path) as image:
-            width, height = image.size
-    except (OSError, SyntaxError):
-        raise InputError(path, "cannot be read as an image", "copy it again") from None
+    width, height = size_of(path)
     tags = dji_tags(path)
     try:
         focal = float(tags["CalibratedFocalLength"])

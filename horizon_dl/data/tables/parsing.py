@@ -1,5 +1,6 @@
 """Small helpers that the readers share: rows of numbers, images of a folder, times that have to meet."""
 
+import math
 import os
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -20,6 +21,10 @@ LONGEST_NAME = 255
 MOST_DIGITS = 19
 MOST_HEIGHT_M = 1e5
 """Nothing flies higher: a larger number is none."""
+MOST_TIME_S = 1e20
+"""Nanoseconds since 1970 that are taken for seconds are less."""
+MOST_INERTIAL = 1e4
+"""Neither turns a body so fast (rad/s), nor does an accelerometer feel so much (m/s^2)."""
 
 IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".ppm", ".pgm", ".tif", ".tiff", ".webp")
 
@@ -81,9 +86,16 @@ def read_numbers(path: Path, columns: int) -> Floats:
     return np.array(samples, dtype=np.float64)
 
 
-def by_time(times_s: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Samples (N,) and (N, k) sorted by time; those with a NaN or infinite number in them left out."""
-    good = np.isfinite(times_s) & np.isfinite(values).all(axis=-1)
+def by_time(times_s: Floats, values: Floats, most: float = math.inf) -> tuple[Floats, Floats]:
+    """Samples (N,) and (N, k) sorted by time; those of no time, or with a number that is none, left out.
+
+    Args:
+        times_s: s.
+        values: of any unit.
+        most: larger ones, of either sign, cannot be.
+    """
+    good = (np.abs(times_s) < MOST_TIME_S) & np.isfinite(values).all(axis=-1)
+    good &= (np.abs(values) <= most).all(axis=-1)
     order = np.argsort(times_s[good], kind="stable")
     return times_s[good][order], values[good][order]
 
