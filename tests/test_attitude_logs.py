@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fuzz.logs import dataflash_text, mars_table, ulog_bytes
+from fuzz.logs import dataflash_bytes, dataflash_text, mars_table, subtitles, ulog_bytes
 from pyulog.ulog2csv import convert_ulog2csv
 
 from horizon_dl.data.attitude_log import AttitudeLog, angles_of_ups
@@ -83,6 +83,24 @@ def test_a_ulog_whose_fields_have_other_names_or_types(tmp_path: Path, name: byt
         (tmp_path / "a.ulg").write_bytes(whole.replace(name, other))
         with contextlib.suppress(InputError):
             assert len(read_attitude_log(tmp_path / "a.ulg").times_s)
+
+
+@pytest.mark.parametrize("length", [0, 1, 2, 3, 4, 19, 255])
+def test_a_dataflash_format_of_any_length_ends(tmp_path: Path, length: int) -> None:
+    """pymavlink reads the same message again and again where its format states no length."""
+    whole = bytearray(dataflash_bytes())
+    place = whole.index(b"\x0a\x17ATT\0")
+    whole[place + 1] = length
+    (tmp_path / "a.bin").write_bytes(whole)
+    with contextlib.suppress(InputError):
+        read_attitude_log(tmp_path / "a.bin")
+
+
+@pytest.mark.parametrize("hours", ["9" * 400, "9" * 5000, "1000000"])
+def test_subtitles_of_an_hour_that_cannot_be(tmp_path: Path, hours: str) -> None:
+    lines = subtitles().decode().replace("\n00:00:00,040", f"\n{hours}:00:00,040")
+    (tmp_path / "a.srt").write_text(lines)
+    assert len(read_attitude_log(tmp_path / "a.srt").times_s) == 9
 
 
 def test_rows_of_dataflash_that_hold_no_numbers_are_left_out(tmp_path: Path) -> None:

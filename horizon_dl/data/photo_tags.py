@@ -9,6 +9,7 @@ from PIL import Image
 
 from horizon_dl.data.decoding import FORMATS
 from horizon_dl.data.regular_file import check_regular
+from horizon_dl.data.tables.parsing import decimals
 from horizon_dl.errors import InputError
 
 HEAD_BYTES = 1 << 18
@@ -35,7 +36,7 @@ def exif_time_s(path: Path) -> float | None:
     tags = _exif(path)
     try:
         taken = datetime.datetime.strptime(str(tags.get(TIME)), "%Y:%m:%d %H:%M:%S")
-        fraction = float(f"0.{str(tags.get(SUBSECONDS, '0')).strip()}")
+        fraction = decimals(str(tags.get(SUBSECONDS, "")).strip("\0 "))
     except ValueError:
         return None
     return taken.replace(tzinfo=datetime.UTC).timestamp() + fraction

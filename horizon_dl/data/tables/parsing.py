@@ -138,6 +138,18 @@ def whole_number(text: str) -> int | None:
     return int(text) if text.isascii() and text.isdigit() and len(text) <= MOST_DIGITS else None
 
 
+def decimals(digits: str) -> float:
+    """The value of the digits behind a point; ValueError for anything but digits.
+
+    Example:
+        >>> decimals("25"), decimals("")
+        (0.25, 0.0)
+    """
+    if digits and not (digits.isascii() and digits.isdigit()):
+        raise ValueError(digits)
+    return float(f"0.{digits or 0}")
+
+
 def usable_quaternions(quaternions: Floats) -> NDArray[np.bool_]:
     """Which of (N, 4) can be brought to length one."""
     largest = np.abs(quaternions).max(axis=-1)

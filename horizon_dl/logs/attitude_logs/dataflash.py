@@ -87,7 +87,7 @@ def _rows(path: Path, library: Any) -> dict[str, list[Any]]:
     with path.open("rb") as file:
         binary = MARKER in file.read(4096)
     try:
-        log = (library.DFReader_binary if binary else library.DFReader_text)(str(path))
+        log = (_advancing(library.DFReader_binary) if binary else library.DFReader_text)(str(path))
     except Exception as error:  # the library raises what parsing a damaged file happens to raise
         problem = f"is no ArduPilot log that can be read ({type(error).__name__})"
         raise InputError(path, problem, "copy it from the card again") from None
@@ -100,6 +100,20 @@ def _rows(path: Path, library: Any) -> dict[str, list[Any]]:
         with contextlib.suppress(Exception):
             log.close()
     return rows
+
+
+def _advancing(reader: Any) -> Any:
+    """The library's reader, ended where a damaged length lets it stand still: it would read on for ever."""
+
+    class Advancing(reader):  # type: ignore[misc]
+        def _parse_next(self) -> Any:
+            before = self.offset
+            message = super()._parse_next()
+            if message is not None and self.offset <= before:
+                raise ValueError("a message without length")
+            return message
+
+    return Advancing
 
 
 def _attitudes(messages: list[Any]) -> tuple[Floats, Floats]:
