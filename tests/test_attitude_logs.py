@@ -1,5 +1,6 @@
 """Attitude logs of every kind: against their own libraries where there is one, else by hand."""
 
+import contextlib
 import math
 import os
 import struct
@@ -7,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fuzz.logs import dataflash_bytes, dataflash_text, mars_table, subtitles, ulog_bytes
 from pyulog.ulog2csv import convert_ulog2csv
 
 from horizon_dl.data.attitude_log import AttitudeLog, angles_of_ups
@@ -56,6 +58,62 @@ def test_a_ulog_of_nothing_is_one_line(tmp_path: Path, data: bytes) -> None:
     (tmp_path / "a.ulg").write_bytes(data)
     with pytest.raises(InputError, match=r"a\.ulg"):
         read_attitude_log(tmp_path / "a.ulg")
+
+
+def test_a_ulog_cut_in_its_definitions_ends(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """pyulog goes back by the size that a cut message states, and reads the same bytes for ever."""
+    whole = ulog_bytes()
+    outcomes = set()
+    for cut in range(17, 400, 3):
+        for size in (b"\x20\x00", b"\xff\x00"):
+            (tmp_path / "a.ulg").write_bytes(whole[:cut] + size + b"\x00" + whole[cut : cut + 40])
+            try:
+                read_attitude_log(tmp_path / "a.ulg")
+                outcomes.add("read")
+            except InputError as error:
+                outcomes.add(str(error).split("; ")[-1])
+    assert "copy it from the card again" in outcomes
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("name", [b"timestamp", b"q;", b"float[4]", b"uint64_t", b"dist_bottom;"])
+def test_a_ulog_whose_fields_have_other_names_or_types(tmp_path: Path, name: bytes) -> None:
+    whole = ulog_bytes()
+    for other in (b"x" * len(name), b"char[8] "[: len(name)].ljust(len(name)), b" " * len(name)):
+        (tmp_path / "a.ulg").write_bytes(whole.replace(name, other))
+        with contextlib.suppress(InputError):
+            assert len(read_attitude_log(tmp_path / "a.ulg").times_s)
+
+
+@pytest.mark.parametrize("length", [0, 1, 2, 3, 4, 19, 255])
+def test_a_dataflash_format_of_any_length_ends(tmp_path: Path, length: int) -> None:
+    """pymavlink reads the same message again and again where its format states no length."""
+    whole = bytearray(dataflash_bytes())
+    place = whole.index(b"\x0a\x17ATT\0")
+    whole[place + 1] = length
+    (tmp_path / "a.bin").write_bytes(whole)
+    with contextlib.suppress(InputError):
+        read_attitude_log(tmp_path / "a.bin")
+
+
+@pytest.mark.parametrize("hours", ["9" * 400, "9" * 5000, "1000000"])
+def test_subtitles_of_an_hour_that_cannot_be(tmp_path: Path, hours: str) -> None:
+    lines = subtitles().decode().replace("\n00:00:00,040", f"\n{hours}:00:00,040")
+    (tmp_path / "a.srt").write_text(lines)
+    assert len(read_attitude_log(tmp_path / "a.srt").times_s) == 9
+
+
+def test_rows_of_dataflash_that_hold_no_numbers_are_left_out(tmp_path: Path) -> None:
+    lines = dataflash_text().decode().splitlines()
+    attitudes = [index for index, line in enumerate(lines) if line.startswith("ATT")]
+    for index, cell in zip(attitudes, ("x", "nan", "1e999", "", "²"), strict=False):
+        parts = lines[index].split(", ")
+        lines[index] = ", ".join([*parts[:2], cell, *parts[3:]])
+    lines[attitudes[5]] = "ATT, 1500000"
+    (tmp_path / "a.log").write_text("\n".join([*lines, ""]))
+    log = read_attitude_log(tmp_path / "a.log")
+    assert np.unique(log.times_s) == pytest.approx([1.6, 1.7, 1.8, 1.9])
+    assert log.shutter is not None
 
 
 @needs_logs
@@ -206,6 +264,21 @@ def test_a_start_under_way_is_no_tilt() -> None:
     forces = np.column_stack([speeding_up, np.zeros_like(times_s), np.full_like(times_s, -9.81)])
     log = log_of_inertial((times_s, np.zeros((len(times_s), 3))), (times_s, forces), np.eye(3))
     assert np.abs(rpy_deg(log)).max() < 4.0  # one that only knows the past says 11.5
+
+
+@pytest.mark.parametrize("cell", ["1e200", "-1e30", "inf", "nan", "1e4000"])
+@pytest.mark.parametrize("place", range(7))
+def test_what_no_sensor_measures_is_left_out(tmp_path: Path, cell: str, place: int) -> None:
+    lines = mars_table().decode().splitlines()
+    wanted = lines.pop(20)
+    (tmp_path / "gyro_accel.csv").write_text("\n".join(lines))
+    without = read_attitude_log(tmp_path / "gyro_accel.csv")
+    cells = wanted.split(",")
+    cells[place] = cell
+    (tmp_path / "gyro_accel.csv").write_text("\n".join([*lines[:20], ",".join(cells), *lines[20:]]))
+    log = read_attitude_log(tmp_path / "gyro_accel.csv")
+    np.testing.assert_array_equal(log.times_s, without.times_s)
+    np.testing.assert_array_equal(log.quaternions, without.quaternions)
 
 
 def test_a_log_on_another_clock() -> None:

@@ -345,6 +345,26 @@ def test_orb_slam(tmp_path: Path) -> None:
     assert camera == Camera("radtan", 640, 480, 517.3, 516.5, 318.6, 255.3, (0.26, 0.0, 0.0, 0.0, 0.0))
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        '%YAML:1.0\nCamera.type: "PinHole"\nCamera1.fx: \n',
+        'Camera.type: "PinHole"\n',
+        "cam0:\n",
+        '{"value0": {"T_imu_cam": [], "intrinsics": [], "resolution": []}}',
+        "# Camera list\n",
+        "CameraMat:\n",
+        "model_type: PINHOLE\n",
+        "camera_matrix:\n",
+    ],
+)
+def test_a_file_of_a_known_kind_without_a_camera(tmp_path: Path, text: str) -> None:
+    for name in ("camera.yaml", "camera.json", "cameras.txt"):
+        for wanted in ({}, {"name": "cam0"}, {"size": (32, 24)}, {"name": "1", "size": (32, 24)}):
+            with pytest.raises(InputError):
+                read_calibration(write(tmp_path, text, name), **wanted)
+
+
 def test_basalt(tmp_path: Path) -> None:
     def one(kind: str, **values: float) -> dict[str, object]:
         return {"camera_type": kind, "intrinsics": {"fx": 300, "fy": 301, "cx": 320, "cy": 240, **values}}

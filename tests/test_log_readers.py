@@ -1,12 +1,15 @@
 """Recordings with their attitude in or beside them: GoPro, phones, DJI's photos, pictures with a log."""
 
 import os
+import contextlib
+import re
 from pathlib import Path
 
 import make_films
 import make_sets
 import numpy as np
 import pytest
+from fuzz import sets
 
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.source import Recording
@@ -52,6 +55,22 @@ def test_a_djis_photo_is_its_gimbals() -> None:
     assert recording.format == "dji_photos"
     # Pitch -89.90: up points backwards, to the upper edge of the picture by a tenth of a degree.
     assert recording.headers[0].up_cam == pytest.approx([0, -np.sin(np.deg2rad(0.1)), -1], abs=1e-5)
+
+
+@pytest.mark.parametrize("name", ["GimbalRollDegree", "GimbalPitchDegree", "CalibratedFocalLength"])
+@pytest.mark.parametrize("value", ["1e999", "nan", "-inf", "", "x", "1e300"])
+def test_numbers_in_a_photo_that_cannot_be(tmp_path: Path, name: str, value: str) -> None:
+    folder = sets.dji_photos(tmp_path / "set")
+    for path in folder.iterdir():
+        content = path.read_bytes()
+        path.write_bytes(re.sub(rf'{name}="[^"]*"'.encode(), f'{name}="{value}"'.encode(), content))
+    headers = []
+    with contextlib.suppress(InputError):  # either refused or read right
+        recording = opened(folder)
+        headers = list(recording.headers)
+        assert np.isfinite(recording.camera.fx)
+    ups = [header.up_cam for header in headers if header.up_cam is not None]
+    assert all(np.linalg.norm(up) == pytest.approx(1) for up in ups)
 
 
 def test_past_the_nadir_roll_180_is_the_same_attitude_in_other_words() -> None:

@@ -5,6 +5,8 @@ from pathlib import Path
 import onnx
 import pytest
 from small_run import model_file
+from tiny_online import tiny_options
+from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.errors import InputError
@@ -79,6 +81,40 @@ def test_a_fresh_file_of_somebody_else_is_refused_in_flight(keys, tmp_path):
     followed._load()
     assert followed.refused == 1
     assert "is not signed by the one" in followed.problem
+
+
+def test_what_a_learner_hands_over_is_signed_and_trusted(keys, tmp_path, monkeypatch):
+    data, path = write_toy_set(tmp_path / "set", frames=8), tmp_path / "run" / "model.onnx"
+
+    def learn(key: str) -> None:
+        arguments = [
+            "online",
+            str(data),
+            "--out",
+            str(path.parent),
+            *tiny_options(),
+            "--no-film",
+            "--restart",
+        ]
+        assert main([*arguments, "--export-every", "0.001", "--sign", str(keys[key])]) == 0
+
+    learn("mine")
+    # What is tried is who made the file; a net of eight frames is not to be flown.
+    monkeypatch.setattr("horizon_dl.runtime.hot_reload.not_airworthy", lambda *_: None)
+    followed = HotReloadedModel.load(path, trusted=read_verifier(keys["mine.pub"]))
+    path.write_bytes(path.read_bytes())
+    followed._load()
+    assert (followed.refused, followed.problem) == (0, None)
+    learn("theirs")
+    followed._load()
+    assert followed.refused == 1
+    assert "is not signed by the one" in followed.problem
+
+
+def test_a_key_without_files_to_sign_is_wrong_use(keys, tmp_path, capsys):
+    data = write_toy_set(tmp_path / "set", frames=8)
+    assert main(["online", str(data), "--out", str(tmp_path / "run"), "--sign", str(keys["mine"])]) == 2
+    assert "--sign: has no meaning without --export-every" in capsys.readouterr().err
 
 
 def test_what_is_no_key_is_one_line(keys, tmp_path, capsys):

@@ -64,6 +64,8 @@ def choose(path: Path, candidates: Sequence[Candidate], wanted: Wanted) -> tuple
     Raises:
         InputError: none fits, or several.
     """
+    if not candidates:
+        raise InputError(path, "describes no camera", "give the file that the calibration wrote")
     if len(candidates) == 1 and wanted.name is None:
         return candidates[0].build(), ()
     left, how = list(candidates), ""

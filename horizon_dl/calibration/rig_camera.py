@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from horizon_dl.calibration.fields import Fields
 from horizon_dl.calibration.lens_names import WAY_OUT, build_camera, lens_named
 from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import are_rotations
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.lenses.registry import LENSES
 
@@ -48,7 +49,7 @@ def rotation_of(fields: Fields, name: str) -> NDArray[np.float64]:
     if len(numbers) not in (9, 12, 16):
         raise fields.wrong(name, "four rows of four numbers")
     matrix = np.array(numbers).reshape(3 if len(numbers) < 16 else 4, -1)[:3, :3]
-    if not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3) or np.linalg.det(matrix) < 0:
+    if not are_rotations(matrix):
         raise InputError(
             fields.path, f"field '{fields.prefix}{name}' is no rotation", "give a 4x4 rigid transform"
         )

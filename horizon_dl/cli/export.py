@@ -18,14 +18,13 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import add_out, add_values
+from horizon_dl.cli.options import add_out, add_sign, add_values, signer
 
 if TYPE_CHECKING:
     from horizon_dl.config import Config
     from horizon_dl.data.source import Recording
     from horizon_dl.export.export import Exported
     from horizon_dl.geometry.camera import Camera
-    from horizon_dl.runtime.signature import Signer
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,9 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--forest", type=Path, metavar="DATA", help="fit the forest on this set, too, and write forest.onnx"
     )
-    parser.add_argument(
-        "--sign", type=Path, metavar="KEY", help="sign the files with an Ed25519 private key (PEM)"
-    )
+    add_sign(parser)
     parser.add_argument("--format", metavar="NAME", help="format of DATA (recognised if left out)")
     add_values(parser, "contact", "ranging", "evidence", "flight")
 
@@ -87,7 +84,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     forest_data = open_recording(arguments.forest, arguments.format) if arguments.forest else None
     if data and forest_data and not same_camera(data.calibrated, forest_data.calibrated):
         raise InputError(arguments.forest, "has another camera than --data", "leave --data away")
-    sign = _signer(arguments.sign)
+    sign = signer(arguments.sign)
     with output_folder(arguments.out, "export", overwrite=arguments.overwrite) as folder:
         exported = export_run(trained, camera, parity_frames(data) if data else ()).signed(sign)
         exported = _measured(exported, data)
@@ -102,12 +99,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             resized.write(folder, f"model-{width}x{height}")
     print(f"wrote {arguments.out}; next: horizon-dl benchmark {arguments.out / 'model.onnx'}")
     return {"out": arguments.out, "card": exported.card}
-
-
-def _signer(key: Path | None) -> "Signer | None":
-    from horizon_dl.runtime.signature import read_signer
-
-    return None if key is None else read_signer(key)
 
 
 def _measured(exported: "Exported", data: "Recording | None") -> "Exported":

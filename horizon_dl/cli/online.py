@@ -21,10 +21,12 @@ from horizon_dl.cli.options import (
     add_config,
     add_data,
     add_out,
+    add_sign,
     check_autopilot,
     given,
     positive_int,
     resolve_config,
+    signer,
 )
 from horizon_dl.cli.viewers import add_viewers
 
@@ -52,6 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="write a fresh RUN/model.onnx every S seconds; a running `fly` takes it over",
     )
+    add_sign(parser)
     parser.add_argument(
         "--real-time",
         action="store_true",
@@ -85,12 +88,15 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
     if arguments.speed is not None and (source.live or not arguments.real_time):
         raise InputError("--speed", "has no meaning without --real-time, nor with --mavlink", "leave it out")
+    if arguments.sign is not None and arguments.export_every is None:
+        raise InputError("--sign", "has no meaning without --export-every", "leave it out")
     online = OnlineRun(
         source,
         config,
         arguments.out,
         max_frames=arguments.max_frames,
         export_every_s=arguments.export_every,
+        sign=signer(arguments.sign),
         restart=arguments.restart,
         overwrite=arguments.overwrite,
         progress=True,

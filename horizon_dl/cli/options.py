@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from horizon_dl.config import Config
     from horizon_dl.data.given import Given
     from horizon_dl.data.source import Recording
+    from horizon_dl.runtime.signature import Signer
 
 
 def add_data(parser: argparse.ArgumentParser, name: str = "data") -> None:
@@ -105,6 +106,20 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="Dask cluster for features, forest and scoring (extra `cluster`); `local`: this machine",
     )
+
+
+def add_sign(parser: argparse.ArgumentParser) -> None:
+    """`--sign`, for verbs that write model files; see `signer`."""
+    parser.add_argument(
+        "--sign", type=Path, metavar="KEY", help="sign the model files with an Ed25519 private key (PEM)"
+    )
+
+
+def signer(key: Path | None) -> "Signer | None":
+    """What signs with the key that `--sign` names, if it names one."""
+    from horizon_dl.runtime.signature import read_signer
+
+    return None if key is None else read_signer(key)
 
 
 def add_autopilot(parser: argparse.ArgumentParser) -> None:

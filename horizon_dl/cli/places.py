@@ -1,11 +1,10 @@
 """Wrong paths, told before anything heavy is loaded."""
 
 import argparse
-import errno
 import re
-import stat
 from pathlib import Path
 
+from horizon_dl.data.regular_file import check_there
 from horizon_dl.errors import InputError
 
 FROM = ("data", "source", "run_folder", "model", "models", "camera", "forest", "signing_key", "trust", "sign")
@@ -29,21 +28,10 @@ def check_places(arguments: argparse.Namespace) -> None:
         given = getattr(arguments, name, None)
         for one in given if isinstance(given, list) else [given]:
             if one is not None and not ADDRESS.match(str(one)):
-                _check_there(Path(one))
+                check_there(Path(one))
     out = getattr(arguments, "out", None)
     if out is not None and hasattr(arguments, "overwrite") and arguments.verb not in TO_A_FILE:
         _check_out(out, arguments.overwrite, resuming=arguments.verb in RESUMABLE)
-
-
-def _check_there(path: Path) -> None:
-    try:
-        mode = path.stat().st_mode
-    except (OSError, ValueError) as error:
-        missing = getattr(error, "errno", None) in (errno.ENOENT, errno.ENOTDIR)
-        reason = "does not exist" if missing else f"cannot be read ({getattr(error, 'strerror', error)})"
-        raise InputError(path, reason, "check the path") from None
-    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or stat.S_ISCHR(mode)):
-        raise InputError(path, "is neither a file nor a folder", "copy what it gives into a file")
 
 
 def _check_out(out: Path, overwrite: bool, resuming: bool) -> None:

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from horizon_dl.data.regular_file import check_regular
+
 TAG = 0x0112
 AS_STORED = 1
 Array = TypeVar("Array", bound=NDArray[Any])
@@ -24,6 +26,7 @@ def orientation_of(image: Image.Image) -> int:
 def orientation_of_file(path: Path) -> int:
     """The EXIF orientation of an image file; 1 where it cannot be read."""
     try:
+        check_regular(path)
         with Image.open(path, formats=("JPEG", "PNG", "TIFF", "WEBP")) as image:
             return orientation_of(image)
     except Exception:  # as above

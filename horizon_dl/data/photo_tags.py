@@ -7,6 +7,11 @@ from pathlib import Path
 
 from PIL import Image
 
+from horizon_dl.data.decoding import FORMATS
+from horizon_dl.data.regular_file import check_regular
+from horizon_dl.data.tables.parsing import decimals
+from horizon_dl.errors import InputError
+
 HEAD_BYTES = 1 << 18
 XMP = re.compile(rb"<x:xmpmeta.*?</x:xmpmeta>", re.DOTALL)
 DJI = re.compile(r"drone-dji:(\w+)(?:=\"([^\"]*)\"|>([^<]*)<)")
@@ -17,9 +22,10 @@ DIAGONAL_35MM = math.hypot(36.0, 24.0)
 def dji_tags(path: Path) -> dict[str, str]:
     """DJI's values by name (GimbalPitchDegree, ...); none where the photo is not a DJI's."""
     try:
+        check_regular(path)
         with path.open("rb") as file:
             found = XMP.search(file.read(HEAD_BYTES))
-    except OSError:
+    except (OSError, InputError):
         return {}
     text = found.group().decode("utf-8", "replace") if found else ""
     return {name: one or other for name, one, other in DJI.findall(text)}
@@ -30,7 +36,7 @@ def exif_time_s(path: Path) -> float | None:
     tags = _exif(path)
     try:
         taken = datetime.datetime.strptime(str(tags.get(TIME)), "%Y:%m:%d %H:%M:%S")
-        fraction = float(f"0.{str(tags.get(SUBSECONDS, '0')).strip()}")
+        fraction = decimals(str(tags.get(SUBSECONDS, "")).strip("\0 "))
     except ValueError:
         return None
     return taken.replace(tzinfo=datetime.UTC).timestamp() + fraction
@@ -47,7 +53,8 @@ def focal_px(path: Path, width: int, height: int) -> float | None:
 
 def _exif(path: Path) -> dict[int, object]:
     try:
-        with Image.open(path) as image:
+        check_regular(path)
+        with Image.open(path, formats=FORMATS) as image:
             return dict(image.getexif().get_ifd(EXIF_IFD))
-    except (OSError, ValueError, SyntaxError):
+    except Exception:  # Pillow raises whatever a damaged block makes it stumble over
         return {}

@@ -1,5 +1,6 @@
 """Files from strangers: regular ones, of bounded size. A pipe or a device would wait or run on for ever."""
 
+import errno
 import stat
 from pathlib import Path
 
@@ -7,6 +8,22 @@ from horizon_dl.errors import InputError
 
 MOST_TEXT = 256 * 2**20
 """Bytes of a text file: a log of several hours at 200 Hz."""
+
+
+def check_there(path: Path) -> None:
+    """Something is there that can be read: a file, a folder, a camera's device.
+
+    Raises:
+        InputError: if not, or its name cannot be one.
+    """
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError) as error:
+        missing = getattr(error, "errno", None) in (errno.ENOENT, errno.ENOTDIR)
+        reason = "does not exist" if missing else f"cannot be read ({_reason(error)})"
+        raise InputError(path, reason, "check the path") from None
+    if not (stat.S_ISREG(mode) or stat.S_ISDIR(mode) or stat.S_ISCHR(mode)):
+        raise InputError(path, "is neither a file nor a folder", "copy what it gives into a file")
 
 
 def check_regular(path: Path, most_bytes: int | None = None) -> None:

@@ -143,6 +143,20 @@ def interpolate(
     return slerp(quaternions[index], quaternions[min(index + 1, len(quaternions) - 1)], fraction)
 
 
+def are_rotations(matrices: ArrayLike, tolerance: float = 1e-3) -> NDArray[np.bool_]:
+    """Which of (..., 3, 3) are rotations: lengths and angles kept to a tolerance, and no mirror.
+
+    Example:
+        >>> are_rotations([np.eye(3), -np.eye(3), np.full((3, 3), np.inf)]).tolist()
+        [True, False, False]
+    """
+    m = np.asarray(matrices, np.float64)
+    possible = np.asarray((np.abs(m) <= 2).all(axis=(-2, -1)))  # NaN is not
+    tame = np.where(possible[..., None, None], m, 0.0)
+    error = np.abs(tame @ np.swapaxes(tame, -2, -1) - np.eye(3)).max(axis=(-2, -1))
+    return np.asarray(possible & (error <= tolerance) & (np.linalg.det(tame) > 0))
+
+
 def unit(vector: ArrayLike) -> NDArray[np.float64]:
     """The vector at length one.
 

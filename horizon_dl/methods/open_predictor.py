@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from horizon_dl.data.regular_file import check_there
 from horizon_dl.runtime.prediction import Predictor
 
 
@@ -14,6 +15,7 @@ def open_predictor(path: Path) -> Predictor:
     Example:
         >>> open_predictor(Path("model.onnx")).predict(frame)   # doctest: +SKIP
     """
+    check_there(path)
     if path.suffix == ".onnx" or path.is_file():
         from horizon_dl.runtime.model import ObstacleModel
         from horizon_dl.runtime.predict import FilePredictor

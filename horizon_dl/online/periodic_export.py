@@ -9,6 +9,7 @@ from horizon_dl.export.export import export_run
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.online.run_directory import KIND
 from horizon_dl.output import output_folder
+from horizon_dl.runtime.signature import Signer
 from horizon_dl.training.run_folder import Run
 
 
@@ -25,11 +26,17 @@ class PeriodicExport:
     """
 
     def __init__(
-        self, folder: Path, camera: Camera, every_s: float, clock: Callable[[], float] = time.monotonic
+        self,
+        folder: Path,
+        camera: Camera,
+        every_s: float,
+        sign: Signer | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.written = self.failed = 0
         self.problem: str | None = None
         self._folder, self._camera, self._every_s, self._clock = folder, camera, every_s, clock
+        self._sign = sign
         self._next_s = clock() + every_s
         self._thread: threading.Thread | None = None
 
@@ -58,7 +65,7 @@ class PeriodicExport:
 
     def _export(self, make: Callable[[], Run]) -> None:
         try:
-            exported = export_run(make(), self._camera)
+            exported = export_run(make(), self._camera).signed(self._sign)
             with output_folder(self._folder, KIND, adding=True) as folder:
                 exported.write(folder)
         except Exception as error:  # whatever the exporter raises: the robot learns and flies on

@@ -22,6 +22,7 @@ from horizon_dl.online.run_directory import KIND, RunDirectory
 from horizon_dl.output import output_folder, write_json
 from horizon_dl.progress import show_progress
 from horizon_dl.runtime.ranged import ranges_of
+from horizon_dl.runtime.signature import Signer
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.online.learner import OnlineLearner, mean_loss
 from horizon_dl.training.predict import flight_rules, prediction_of
@@ -66,6 +67,7 @@ class OnlineRun:
         folder: of the run.
         max_frames: of the source, counted from its beginning.
         export_every_s: seconds between fresh model files; None: no files.
+        sign: signs them; None: they are not signed.
         restart: throw an earlier run in the folder away.
         overwrite: the same, and take the folder over where it holds something else.
         progress: show a progress bar.
@@ -87,6 +89,7 @@ class OnlineRun:
         *,
         max_frames: int | None = None,
         export_every_s: float | None = None,
+        sign: Signer | None = None,
         restart: bool = False,
         overwrite: bool = False,
         progress: bool = False,
@@ -102,7 +105,7 @@ class OnlineRun:
         self._max_frames = max_frames
         self._camera = calibrated(source)
         self._export = (
-            None if export_every_s is None else PeriodicExport(folder, self._camera, export_every_s)
+            None if export_every_s is None else PeriodicExport(folder, self._camera, export_every_s, sign)
         )
         if self.keeper.found is not None:
             self._restore(self.keeper.found)

@@ -3,9 +3,9 @@
 import math
 from pathlib import Path
 
-from PIL import Image
-
 from horizon_dl.calibration.calibration import Calibration, read_calibration
+from horizon_dl.calibration.limits import MAX_SIDE_PX
+from horizon_dl.calibration.picture_size import size_of
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
@@ -64,9 +64,12 @@ def _header(path: Path, index: int, mount_rpy_rad: MountRpy) -> FrameHeader:
     time_s = float(index) if time_s is None else time_s
     try:
         tags = dji_tags(path)
-        roll, pitch, yaw = (math.radians(float(tags[name])) for name in ANGLES)
+        angles = [math.radians(float(tags[name])) for name in ANGLES]
     except (KeyError, ValueError):
+        angles = [math.nan]
+    if not all(map(math.isfinite, angles)):
         return FrameHeader(path.name, time_s)
+    roll, pitch, yaw = angles
     return FrameHeader(
         path.name, time_s, up_in_camera(quaternion_from_rpy(roll, pitch, yaw), mount_rpy_rad), yaw
     )
@@ -74,17 +77,13 @@ def _header(path: Path, index: int, mount_rpy_rad: MountRpy) -> FrameHeader:
 
 def _own_camera(path: Path) -> Calibration:
     """A pinhole from the calibrated focal length in pixels (XMP), else from the 35 mm equivalent (EXIF)."""
-    try:
-        with Image.open(path) as image:
-            width, height = image.size
-    except (OSError, SyntaxError):
-        raise InputError(path, "cannot be read as an image", "copy it again") from None
+    width, height = size_of(path)
     tags = dji_tags(path)
     try:
         focal = float(tags["CalibratedFocalLength"])
         centre = float(tags["CalibratedOpticalCenterX"]), float(tags["CalibratedOpticalCenterY"])
     except (KeyError, ValueError):
         focal, centre = focal_px(path, width, height) or 0.0, ((width - 1) / 2, (height - 1) / 2)
-    if focal <= 0:
+    if not (MAX_SIDE_PX**-1 < focal / max(width, height) < MAX_SIDE_PX and all(map(math.isfinite, centre))):
         raise InputError(path, "tells no focal length", "give the camera with --camera")
     return Calibration(Camera("pinhole", width, height, focal, focal, *centre))

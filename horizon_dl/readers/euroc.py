@@ -16,6 +16,7 @@ from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.imu import estimate_up
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import (
+    MOST_INERTIAL,
     by_time,
     check_overlap,
     images_in,
@@ -34,8 +35,6 @@ from horizon_dl.readers.euroc_poses import NANOSECOND, find_poses, read_ups
 Floats = NDArray[np.float64]
 
 NAME = "euroc"
-MOST_IMU = 1e4
-"""rad/s and m/s^2: no IMU measures more."""
 
 NEEDS = "mav0 with cam0, and imu0 or a ground truth"
 
@@ -93,8 +92,7 @@ def up_in_body(root: Path, image_times_s: Floats) -> tuple[Path, list[Floats | N
     if not imu.is_file():
         raise InputError(root, "has neither state_groundtruth_estimate0, mocap0 nor imu0", "copy one of them")
     samples = read_numbers(imu, 7)
-    possible = (np.abs(samples[:, 1:7]) < MOST_IMU).all(axis=-1)
-    times, rates = by_time(samples[possible, 0] * NANOSECOND, samples[possible, 1:7])
+    times, rates = by_time(samples[:, 0] * NANOSECOND, samples[:, 1:7], MOST_INERTIAL)
     check_overlap(imu, image_times_s, times)
     up_samples = estimate_up(times, rates[:, :3], rates[:, 3:])
     ups = [_up_at(times, up_samples, t) for t in image_times_s.tolist()]

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
+from horizon_dl.calibration.picture_size import picture_size
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
@@ -68,7 +68,7 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
         raise InputError(folder, f"holds {len(drives)} drives: {listed}", "give the folder of one of them")
     drive, number = drives[0]
     images = _images(drive, number)
-    one = read_kitti_camera(_calibration_of(drive), number, _size(images))
+    one = read_kitti_camera(_calibration_of(drive), number, picture_size(images[:1]))
     times, attitudes = attitudes_at_images(drive, images)
     floor_up_cam = unit(one.cam_from_imu @ [0.0, 0.0, 1.0])
     names = [relative_name(image, drive) for image in images]
@@ -106,11 +106,3 @@ def _images(drive: Path, number: str) -> list[Path]:
 def _calibration_of(drive: Path) -> Path:
     places = [drive, *list(drive.absolute().parents)[:2]]
     return next((place for place in places if (place / CALIBRATION).is_file()), places[1])
-
-
-def _size(images: list[Path]) -> tuple[int, int] | None:
-    try:
-        with Image.open(images[0]) as image:
-            return image.size
-    except (OSError, SyntaxError, ValueError):
-        return None

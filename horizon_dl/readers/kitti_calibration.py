@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from horizon_dl.calibration.limits import MAX_SIDE_PX
 from horizon_dl.data.tables.parsing import read_lines
 from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import are_rotations
 from horizon_dl.geometry.camera import Camera
 
 Floats = NDArray[np.float64]
@@ -102,6 +103,6 @@ def numbers(path: Path, fields: dict[str, str], name: str, count: int) -> Floats
 def rotation(path: Path, fields: dict[str, str], name: str) -> Floats:
     """A field that is a rotation matrix (3, 3)."""
     matrix = numbers(path, fields, name, 9).reshape(3, 3)
-    if np.abs(matrix).max() > 2 or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-3):
+    if not are_rotations(matrix):
         raise InputError(path, f"field '{name}' is no rotation", "copy the file again")
     return matrix

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
+from horizon_dl.calibration.picture_size import size_of
 from horizon_dl.data.attitude_log import ConstantAttitude
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
@@ -17,7 +17,7 @@ from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import images_in, read_numbers, relative_name
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import unit
+from horizon_dl.geometry.attitude import are_rotations, unit
 from horizon_dl.logs.attitude_logs.registry import read_attitude
 from horizon_dl.readers.beside import files_beside
 from horizon_dl.readers.kitti import CAMERA_HEIGHT_M
@@ -34,6 +34,8 @@ NOTE = (
     "look at the overlays of check-data"
 )
 UP_CAMERA = np.array([0.0, -1.0, 0.0])
+LEAST_UP = 0.1
+"""Length of the mean of unit vectors below which it is nobody's direction."""
 
 
 def recognises(folder: Path) -> bool:
@@ -68,7 +70,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         )
         for i, place in enumerate(places)
     ]
-    camera = projection_camera(calib, projection, _size(images[0]))
+    camera = projection_camera(calib, projection, size_of(images[0]))
     return image_recording(
         folder.resolve().name,
         NAME,
@@ -92,7 +94,13 @@ def _ups(
     rotations = read_numbers(path, 12).reshape(-1, 3, 4)[:, :, :3]
     if len(rotations) != count:
         raise InputError(path, f"has {len(rotations)} poses for {count} times", "give those of the sequence")
-    up_world = unit(np.mean(rotations @ UP_CAMERA, axis=0))
+    turns = are_rotations(rotations)
+    if not turns.all():
+        raise InputError(path, f"pose {int(np.argmin(turns)) + 1} is no rotation", "copy the file again")
+    mean = np.mean(rotations @ UP_CAMERA, axis=0)
+    if np.linalg.norm(mean) < LEAST_UP:
+        raise InputError(path, "turns all ways: its mean tells no up", "give --attitude constant:0,0")
+    up_world = unit(mean)
     ups = [unit(rotations[place].T @ up_world) for place in places]
     forward = rotations[places][:, :, 2]
     yaws: list[float | None] = [float(angle) for angle in np.arctan2(forward[:, 0], forward[:, 2])]
@@ -112,11 +120,3 @@ def _poses_of(folder: Path) -> Path:
 
 def _camera_of(folder: Path) -> str:
     return next((number for number in CAMERAS if images_in(folder / f"image_{number}")), "")
-
-
-def _size(image: Path) -> tuple[int, int]:
-    try:
-        with Image.open(image) as opened:
-            return opened.size
-    except (OSError, SyntaxError, ValueError):
-        raise InputError(image, "cannot be read as an image", "restore the file") from None

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.regular_file import read_regular
-from horizon_dl.data.tables.parsing import read_lines, whole_number
+from horizon_dl.data.tables.parsing import decimals, read_lines, whole_number
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import MAX_GAP_S, interpolate, quaternion_from_rpy
 
@@ -72,7 +72,7 @@ def parse_time(path: Path, line: str) -> float:
     try:
         whole, _, fraction = line.strip().partition(".")
         moment = datetime.strptime(whole, "%Y-%m-%d %H:%M:%S").replace(tzinfo=UTC)
-        return moment.timestamp() + float(f"0.{fraction or 0}")
+        return moment.timestamp() + decimals(fraction)
     except ValueError:
         raise InputError(path, f"holds no time in {line.strip()[:40]!r}", "copy the file again") from None
 

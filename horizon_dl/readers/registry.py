@@ -5,6 +5,7 @@ from typing import Protocol
 
 from horizon_dl.data.from_images import FROM_IMAGES, camera_alone, with_attitude_from_images
 from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.regular_file import check_there
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import images_in, relative_name
 from horizon_dl.errors import InputError
@@ -73,8 +74,7 @@ def open_recording(path: Path, format: str | None = None, given: Given = NOTHING
         InputError: no such path, a format that is not known or not recognised, or a fault in the data.
     """
     path = Path(path)
-    if not path.exists():
-        raise InputError(path, "does not exist", "give the file or folder of a recording")
+    check_there(path)
     found = plugins()
     readers = _all(found)
     if format is None:

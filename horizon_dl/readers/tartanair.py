@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from horizon_dl.calibration.calibration import Calibration, read_calibration
+from horizon_dl.calibration.picture_size import size_of
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
 from horizon_dl.data.source import Recording
-from horizon_dl.data.tables.parsing import images_in, read_numbers, relative_name
+from horizon_dl.data.tables.parsing import images_in, read_numbers, relative_name, usable_quaternions
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import up_in_camera, yaw_of
 from horizon_dl.geometry.camera import Camera
@@ -51,14 +51,14 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     if len(poses) != len(images):
         problem = f"has {len(poses)} poses for {len(images)} images"
         raise InputError(poses_file, problem, "copy the trajectory whole: a line belongs to an image")
+    usable = usable_quaternions(poses[:, 3:7])
     calibration = _calibration(folder, images[0], given)
     times, note = _times(folder, len(images))
     names = [relative_name(image, folder) for image in images]
     truths = files_beside(folder, "labels", names)
     frames = []
     for index, image in enumerate(images):
-        quaternion = poses[index, [6, 3, 4, 5]]
-        known = bool(np.isfinite(quaternion).all() and np.linalg.norm(quaternion) > 1e-6)
+        quaternion, known = poses[index, [6, 3, 4, 5]], bool(usable[index])
         header = FrameHeader(
             names[index],
             times[index],
@@ -99,10 +99,6 @@ def _times(folder: Path, count: int) -> tuple[list[float], tuple[str, ...]]:
 def _calibration(folder: Path, image: Path, given: Given) -> Calibration:
     if given.camera is not None or (folder / "camera.yaml").is_file():
         return read_calibration(given.camera or folder / "camera.yaml")
-    try:
-        with Image.open(image) as opened:
-            width, height = opened.size
-    except (OSError, SyntaxError, ValueError):
-        raise InputError(image, "cannot be read as an image", "restore the file") from None
+    width, height = size_of(image)
     focal = FOCAL_WIDTHS * width
     return Calibration(Camera("pinhole", width, height, focal, focal, width / 2, height / 2))

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from horizon_dl.data.regular_file import check_there
 from horizon_dl.errors import InputError
 
 WEIGHTS, CONFIG, INFO = "weights.safetensors", "config.yaml", "run.json"
@@ -14,6 +15,7 @@ def check_run_folder(folder: Path) -> None:
     Raises:
         InputError: one is missing.
     """
+    check_there(folder)
     for name in FILES:
         if not (folder / name).is_file():
             raise InputError(folder, f"is no run folder: it lacks {name}", "give what `train --out` wrote")

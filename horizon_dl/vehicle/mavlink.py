@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.errors import InputError
+from horizon_dl.vehicle.framing import SIGNED, VERSION_2, Framer
 from horizon_dl.vehicle.obstacle_distance import MessageShape
 from horizon_dl.vehicle.transport import Transport, open_transport
 
@@ -48,7 +49,7 @@ class Link:
         self._incoming: Any = self._new_codec(key, sign=False)
         self._outgoing: Any = self._new_codec(key, sign=key is not None)
         self._sending = threading.Lock()
-        self._bad_signatures = 0
+        self._framer = Framer()
 
     def receive(self, timeout_s: float) -> list[Any]:
         """The good messages of the next bytes, pymavlink's objects; empty after the timeout."""
@@ -113,27 +114,33 @@ class Link:
             return self._transport.send(content)
 
     def _parsed(self, content: bytes) -> list[Any]:
+        found, stretches = self._framer.take(content, self._decoded)
+        if self._transport.whole_messages and self._framer.waits:
+            # A datagram holds whole messages: the next one does not continue what is left of this one.
+            stretches += 1
+            self._framer.forget()
+        if stretches:
+            self.counts[GARBAGE] += stretches
+        return found
+
+    def _decoded(self, frame: bytearray) -> list[Any] | None:
+        """See `framing.Decode`."""
+        if frame[0] == VERSION_2 and frame[2] & ~SIGNED:
+            return None  # flags of a later version, which change what a frame is
         try:
-            found = self._incoming.parse_buffer(content) or []
+            message = self._incoming.decode(frame)
+        except self._dialect.MAVError as error:
+            if "signature" not in str(error):
+                return None
+            self.counts[UNSIGNED] += 1
+            return []
         except Exception:  # a parser of foreign bytes; the loop goes on whatever it trips over
-            found = []
-            self.counts[GARBAGE] += 1
-            self._incoming.buf, self._incoming.buf_index = bytearray(), 0
-        if self._transport.whole_messages and self._incoming.buf_len():
-            # A datagram holds whole messages: what is left would swallow the beginning of the next one.
-            self.counts[GARBAGE] += 1
-            self._incoming.buf, self._incoming.buf_index = bytearray(), 0
-        return list(found)
+            return None
+        if message.get_type().startswith("UNKNOWN"):
+            return []  # of another dialect: nobody here can check its sum
+        return [message]
 
     def _is_wanted(self, message: Any) -> bool:
-        if message.get_type() == "BAD_DATA":
-            bad = self._incoming.signing.badsig_count
-            unsigned = "signature" in str(message.reason) or bad > self._bad_signatures
-            self._bad_signatures = bad
-            self.counts[UNSIGNED if unsigned else GARBAGE] += 1
-            return False
-        if message.get_type().startswith("UNKNOWN"):
-            return False
         sender = (message.get_srcSystem(), message.get_srcComponent())
         if sender != (self._system, AUTOPILOT_COMPONENT):
             self.counts[FOREIGN] += 1
@@ -144,7 +151,6 @@ class Link:
 
     def _new_codec(self, key: bytes | None, sign: bool) -> Any:
         codec = _careful(self._dialect)(None, srcSystem=self._system, srcComponent=OUR_COMPONENT)
-        codec.robust_parsing = True
         if key is not None:
             codec.signing.secret_key = key
             codec.signing.sign_outgoing = sign

@@ -6,6 +6,7 @@ import math
 import sys
 import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
@@ -21,11 +22,14 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=math.inf, help="end after this time")
     arguments = parser.parse_args()
     start = time.perf_counter()
+    tell = partial(print, file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory() as place:
-        found = run_cases(Path(place), arguments.count, arguments.seed, arguments.only, arguments.seconds)
-    print(json.dumps(found.summary(), indent=1))
-    for fault in found.faults[:50]:
-        print(fault)
+        found = run_cases(
+            Path(place), arguments.count, arguments.seed, arguments.only, arguments.seconds, tell
+        )
+    for title, value in found.summary().items():
+        lines = value.items() if isinstance(value, dict) else [("", value)]
+        print(title, *(f"  {name}: {json.dumps(one)}" for name, one in lines), sep="\n")
     print(
         f"{found.count} inputs, seed {arguments.seed}, {time.perf_counter() - start:.0f} s: "
         f"{len(found.faults)} faults"

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from horizon_dl.data.given import Given
 from horizon_dl.data.tables.columns import LENGTH_UNITS, TIME_UNITS, Column, require
 from horizon_dl.data.tables.iso_time import seconds_of_dates
+from horizon_dl.data.tables.parsing import usable_quaternions
 from horizon_dl.data.tables.table import Table
 from horizon_dl.data.tables.units import UNIT_NAMES, DoubtError, Steps, angle_unit, clock_unit
 from horizon_dl.errors import InputError
@@ -82,9 +83,9 @@ def read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeColu
 
 def _from_quaternions(table: Table, columns: Columns, heights_m: Floats) -> AttitudeColumns:
     raw = np.stack([table.numbers(columns[role].name) for role in QUATERNION], axis=-1)
-    lengths = np.linalg.norm(raw, axis=-1, keepdims=True)
-    usable = np.isfinite(lengths) & (lengths > 1e-6)
-    quaternions = np.where(usable, raw / np.where(usable, lengths, 1.0), np.nan)
+    usable = usable_quaternions(raw)
+    quaternions = np.full_like(raw, np.nan)
+    quaternions[usable] = raw[usable] / np.linalg.norm(raw[usable], axis=-1, keepdims=True)
     yaws = [yaw_of(one) if np.isfinite(one).all() else math.nan for one in quaternions]
     return AttitudeColumns(quaternions, np.array(yaws), heights_m, as_read=raw)
 

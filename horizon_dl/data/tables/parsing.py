@@ -1,5 +1,6 @@
 """Small helpers that the readers share: rows of numbers, images of a folder, times that have to meet."""
 
+import math
 import os
 import re
 from collections.abc import Collection, Mapping, Sequence
@@ -20,6 +21,10 @@ LONGEST_NAME = 255
 MOST_DIGITS = 19
 MOST_HEIGHT_M = 1e5
 """Nothing flies higher: a larger number is none."""
+MOST_TIME_S = 1e20
+"""Nanoseconds since 1970 that are taken for seconds are less."""
+MOST_INERTIAL = 1e4
+"""Neither turns a body so fast (rad/s), nor does an accelerometer feel so much (m/s^2)."""
 
 IMAGE_SUFFIXES = (".jpg", ".jpeg", ".png", ".bmp", ".ppm", ".pgm", ".tif", ".tiff", ".webp")
 
@@ -81,9 +86,16 @@ def read_numbers(path: Path, columns: int) -> Floats:
     return np.array(samples, dtype=np.float64)
 
 
-def by_time(times_s: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Samples (N,) and (N, k) sorted by time; those with a NaN or infinite number in them left out."""
-    good = np.isfinite(times_s) & np.isfinite(values).all(axis=-1)
+def by_time(times_s: Floats, values: Floats, most: float = math.inf) -> tuple[Floats, Floats]:
+    """Samples (N,) and (N, k) sorted by time; those of no time, or with a number that is none, left out.
+
+    Args:
+        times_s: s.
+        values: of any unit.
+        most: larger ones, of either sign, cannot be.
+    """
+    good = (np.abs(times_s) < MOST_TIME_S) & np.isfinite(values).all(axis=-1)
+    good &= (np.abs(values) <= most).all(axis=-1)
     order = np.argsort(times_s[good], kind="stable")
     return times_s[good][order], values[good][order]
 
@@ -124,6 +136,18 @@ def inside_folder(where: Path, folder: Path, name: str) -> Path:
 def whole_number(text: str) -> int | None:
     """The number in a text of at most 19 digits; None for anything else."""
     return int(text) if text.isascii() and text.isdigit() and len(text) <= MOST_DIGITS else None
+
+
+def decimals(digits: str) -> float:
+    """The value of the digits behind a point; ValueError for anything but digits.
+
+    Example:
+        >>> decimals("25"), decimals("")
+        (0.25, 0.0)
+    """
+    if digits and not (digits.isascii() and digits.isdigit()):
+        raise ValueError(digits)
+    return float(f"0.{digits or 0}")
 
 
 def usable_quaternions(quaternions: Floats) -> NDArray[np.bool_]:

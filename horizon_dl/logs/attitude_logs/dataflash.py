@@ -1,16 +1,18 @@
 """ArduPilot's log (.bin, or .log as text): ATT, and CAM or TRIG at the shutter, by pymavlink."""
 
 import contextlib
+import math
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from horizon_dl.data.attitude_log import AttitudeLog, Floats, log_of_angles
+from horizon_dl.data.tables.parsing import by_time
 from horizon_dl.errors import InputError
 
 NAME = "dataflash"
@@ -41,12 +43,13 @@ def read(path: Path) -> AttitudeLog:
         raise InputError(path, "is an ArduPilot log", "install horizon-dl[logs] to read it") from None
     with _overheard() as told:
         rows = _rows(path, DFReader)
-    if not rows["ATT"]:
-        raise InputError(path, "holds no ATT message", "set LOG_BITMASK to log the attitude")
     times_s, angles = _attitudes(rows["ATT"])
+    if not len(times_s):
+        raise InputError(path, "holds no ATT message", "set LOG_BITMASK to log the attitude")
     log = log_of_angles(times_s, angles, _heights(rows["RFND"], times_s))
     cameras = rows["CAM"] or rows["TRIG"]
-    shutter = log_of_angles(*_attitudes(cameras)) if cameras and hasattr(cameras[0], "Roll") else None
+    taken_s, taken = _attitudes(cameras)
+    shutter = log_of_angles(taken_s, taken) if len(taken_s) else None
     notes = (
         ("The log is damaged in places; the rest is used.",) if any("bad header" in t for t in told) else ()
     )
@@ -84,7 +87,7 @@ def _rows(path: Path, library: Any) -> dict[str, list[Any]]:
     with path.open("rb") as file:
         binary = MARKER in file.read(4096)
     try:
-        log = (library.DFReader_binary if binary else library.DFReader_text)(str(path))
+        log = (_advancing(library.DFReader_binary) if binary else library.DFReader_text)(str(path))
     except Exception as error:  # the library raises what parsing a damaged file happens to raise
         problem = f"is no ArduPilot log that can be read ({type(error).__name__})"
         raise InputError(path, problem, "copy it from the card again") from None
@@ -99,29 +102,52 @@ def _rows(path: Path, library: Any) -> dict[str, list[Any]]:
     return rows
 
 
+def _advancing(reader: Any) -> Any:
+    """The library's reader, ended where a damaged length lets it stand still: it would read on for ever."""
+
+    class Advancing(reader):  # type: ignore[misc]
+        def _parse_next(self) -> Any:
+            before = self.offset
+            message = super()._parse_next()
+            if message is not None and self.offset <= before:
+                raise ValueError("a message without length")
+            return message
+
+    return Advancing
+
+
 def _attitudes(messages: list[Any]) -> tuple[Floats, Floats]:
     """Times (N,) s and angles (N, 3) rad."""
-    rows = [(m.TimeUS * 1e-6, m.Roll, m.Pitch, m.Yaw) for m in messages]
-    values = np.array(rows, np.float64)
-    return values[:, 0], np.deg2rad(values[:, 1:])
+    values = _numbers(messages, ("TimeUS", "Roll", "Pitch", "Yaw"))
+    return values[:, 0] * 1e-6, np.deg2rad(values[:, 1:])
 
 
 def _heights(messages: list[Any], times_s: Floats) -> Floats | None:
     """A rangefinder's distance where it is good (status 4) and looks down (orientation 25), m."""
-    good = [
-        (m.TimeUS * 1e-6, m.Dist)
-        for m in messages
-        if getattr(m, "Stat", 0) == 4 and getattr(m, "Orient", 0) == 25 and hasattr(m, "Dist")
-    ]
-    if not good:
+    values = _numbers(messages, ("TimeUS", "Dist", "Stat", "Orient"))
+    good = values[(values[:, 2] == 4) & (values[:, 3] == 25)]
+    if not len(good):
         return None
-    measured = np.array(good, np.float64)
-    return np.interp(times_s, measured[:, 0], measured[:, 1], left=np.nan, right=np.nan)
+    measured_s, distances_m = by_time(good[:, 0] * 1e-6, good[:, 1:2])
+    return np.interp(times_s, measured_s, distances_m[:, 0], left=np.nan, right=np.nan)
 
 
 def _unix_start(messages: list[Any], start_s: float) -> float | None:
-    for m in messages:
-        if getattr(m, "GWk", 0) > 0:
-            unix = GPS_EPOCH_S + m.GWk * 604800 + m.GMS * 1e-3 - LEAP_SECONDS
-            return float(unix - m.TimeUS * 1e-6 + start_s)
+    for time_us, week, milliseconds in _numbers(messages, ("TimeUS", "GWk", "GMS")).tolist():
+        if week > 0:
+            unix = GPS_EPOCH_S + week * 604800 + milliseconds * 1e-3 - LEAP_SECONDS
+            return float(unix - time_us * 1e-6 + start_s)
     return None
+
+
+def _numbers(messages: list[Any], names: Sequence[str]) -> Floats:
+    """Fields (N, k) of the messages that have all of them as finite numbers; the rest is damage."""
+    rows = []
+    for message in messages:
+        try:
+            row = [float(getattr(message, name)) for name in names]
+        except (AttributeError, TypeError, ValueError, OverflowError):
+            continue
+        if all(map(math.isfinite, row)):
+            rows.append(row)
+    return np.array(rows, np.float64).reshape(-1, len(names))

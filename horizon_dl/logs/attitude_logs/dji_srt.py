@@ -12,7 +12,7 @@ from horizon_dl.errors import InputError
 NAME = "srt"
 NEEDS = "DJI's subtitles with the gimbal's angles (gb_yaw, gb_pitch, gb_roll), .SRT"
 
-SPAN = re.compile(r"(\d+):(\d\d):(\d\d)[,.](\d{3})\s*-->")
+SPAN = re.compile(r"(?<!\d)(\d{1,6}):(\d\d):(\d\d)[,.](\d{3})\s*-->")
 ANGLE = re.compile(r"\b(gb_roll|gb_pitch|gb_yaw)\s*:\s*(-?\d+(?:\.\d+)?)")
 WITH_ATTITUDE = "of the cameras known, the Avata 360 writes it"
 STABILISED = re.compile(r"pp_current\s*:\s*(?!0\.000, 0\.000, 0\.000, 0\.000)")

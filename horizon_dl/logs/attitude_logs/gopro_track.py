@@ -8,6 +8,7 @@ import numpy as np
 
 from horizon_dl.data.attitude_log import AttitudeLog, Floats, angles_of_ups, log_of_angles
 from horizon_dl.data.containers import opened
+from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_quaternion
 from horizon_dl.logs.attitude_logs.inertial import log_of_inertial
@@ -123,7 +124,7 @@ def _in_body(stream: Stream, end_s: float) -> tuple[Floats, Floats]:
     times_s, values = stream.joined(end_s)
     order = [stream.axes.upper().index(axis) for axis in "XYZ"]
     signs = [1.0 if stream.axes[place].isupper() else -1.0 for place in order]
-    return times_s, np.asarray(values[:, order] * signs @ FRD_FROM_XYZ.T)
+    return by_time(times_s, np.asarray(values[:, order] * signs @ FRD_FROM_XYZ.T), MOST_INERTIAL)
 
 
 def _of_gravity(times_s: Floats, down: Floats, orientation: Stream | None, end_s: float) -> AttitudeLog:

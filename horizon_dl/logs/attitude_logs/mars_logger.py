@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from horizon_dl.data.attitude_log import AttitudeLog
-from horizon_dl.data.tables.parsing import by_time, column, read_table
+from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time, column, read_table
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs.inertial import log_of_inertial
 from horizon_dl.logs.attitude_logs.phone_axes import frd_from_phone
@@ -31,7 +31,7 @@ def read(path: Path) -> AttitudeLog:
     """
     rows = read_table(path, (TIME, *RATES, *FORCES))
     values = np.stack([column(path, rows, name) for name in (*RATES, *FORCES)], axis=-1)
-    times_s, values = by_time(column(path, rows, TIME) * 1e-9, values)
+    times_s, values = by_time(column(path, rows, TIME) * 1e-9, values, MOST_INERTIAL)
     if len(times_s) < 10:
         raise InputError(path, "holds less than ten samples", "record again")
     rates, forces = values[:, :3], values[:, 3:]

@@ -1,5 +1,7 @@
 """PX4's log (.ulg): `vehicle_attitude`, by pyulog."""
 
+import contextlib
+import io
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,25 @@ NAME = "ulog"
 NEEDS = "PX4's log, .ulg"
 MAGIC = b"ULog\x01\x12\x35"
 MESSAGES = ["vehicle_attitude", "vehicle_local_position", "vehicle_gps_position"]
+READ_TWICE, LEAST_READ = 4, 10_000
+"""So many times its size may be read of a log, and bytes more."""
 QUATERNION = [f"q[{index}]" for index in range(4)]
+
+
+class _Bounded(io.BufferedReader):
+    """A file that ends a reader which goes back in it again and again: pyulog circles at some damages."""
+
+    def __init__(self, raw: io.FileIO) -> None:
+        super().__init__(raw)
+        self._left = READ_TWICE * raw.seek(0, io.SEEK_END) + LEAST_READ
+        raw.seek(0)
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        content = super().read(size)
+        self._left -= max(1, len(content))
+        if self._left < 0:
+            raise EOFError("it is damaged")
+        return content
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -32,7 +52,9 @@ def read(path: Path) -> AttitudeLog:
     except ImportError:
         raise InputError(path, "is a PX4 log", "install horizon-dl[logs] to read it") from None
     try:
-        log = ULog(str(path), MESSAGES)
+        # It prints what it finds damaged.
+        with contextlib.redirect_stdout(io.StringIO()), _Bounded(io.FileIO(path)) as file:
+            log = ULog(file, MESSAGES)
     except Exception as error:  # pyulog lets through whatever a damaged file makes of its parsing
         raise InputError(
             path, f"is no ULog that can be read ({error})", "copy it from the card again"
@@ -57,9 +79,12 @@ def read(path: Path) -> AttitudeLog:
 
 
 def _topic(log: Any, name: str) -> dict[str, NDArray[Any]] | None:
-    """The first instance's columns."""
-    found = [one.data for one in log.data_list if one.name == name and len(one.data["timestamp"])]
-    return found[0] if found else None
+    """The first instance's columns of numbers; None where it has no times."""
+    for one in log.data_list:
+        columns = {key: values for key, values in one.data.items() if values.dtype.kind in "buif"}
+        if one.name == name and len(columns.get("timestamp", ())):
+            return columns
+    return None
 
 
 def _heights(log: Any, times_s: Floats) -> Floats | None:

@@ -6,6 +6,7 @@ from typing import Protocol
 
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
 from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.regular_file import check_regular, check_there
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs import (
     csv_table,
@@ -67,12 +68,8 @@ def read_attitude_log(path: Path, units: Given = NOTHING_GIVEN) -> AttitudeLog:
     Raises:
         InputError: it is not there or cannot be read; the error says what is needed.
     """
-    if not path.exists():
-        raise InputError(path, "does not exist", "give the file of an attitude log")
-    try:
-        head = b"" if path.is_dir() else _head(path)
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({type(error).__name__})", "check the file") from None
+    check_there(path)
+    head = b"" if path.is_dir() else _head(path)
     for kind in KINDS:
         if kind.recognises(path, head):
             return kind.read(path)
@@ -83,8 +80,12 @@ def read_attitude_log(path: Path, units: Given = NOTHING_GIVEN) -> AttitudeLog:
 
 
 def _head(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(HEAD_BYTES)
+    check_regular(path)
+    try:
+        with path.open("rb") as file:
+            return file.read(HEAD_BYTES)
+    except OSError as error:
+        raise InputError(path, f"cannot be read ({type(error).__name__})", "check the file") from None
 
 
 def _constant(angles: str) -> ConstantAttitude:

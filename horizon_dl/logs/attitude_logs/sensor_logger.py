@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from horizon_dl.data.attitude_log import AttitudeLog, Floats, angles_of_ups, log_of_angles
-from horizon_dl.data.tables.parsing import by_time, column, read_table
+from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time, column, read_table
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs.inertial import log_of_inertial
 from horizon_dl.logs.attitude_logs.phone_axes import frd_from_phone
@@ -63,7 +63,7 @@ def _table(path: Path) -> tuple[Floats, Floats]:
     """Times (N,) s since 1970 and x, y, z (N, 3)."""
     rows = read_table(path, ("time", "x", "y", "z"))
     values = np.stack([column(path, rows, name) for name in ("x", "y", "z")], axis=-1)
-    times_s, values = by_time(column(path, rows, "time") * 1e-9, values)
+    times_s, values = by_time(column(path, rows, "time") * 1e-9, values, MOST_INERTIAL)
     if len(times_s) < 2:
         raise InputError(path, "holds less than two samples", "record again")
     return times_s, values

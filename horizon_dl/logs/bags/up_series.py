@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.imu import estimate_up
-from horizon_dl.data.tables.parsing import by_time
+from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time
 from horizon_dl.geometry.attitude import MAX_GAP_S, bracket, interpolate, rotation_from_quaternion, unit
 from horizon_dl.logs.bags.attitudes import PX4, Orientations
 
@@ -120,7 +120,7 @@ def imu_series(found: Orientations, arrivals: bool = False) -> Felt | None:
     if found.rates is None or found.forces is None:
         return None
     both = np.hstack([found.rates, found.forces])
-    times, felt = by_time(found.arrivals_s if arrivals else found.stamps_s, both)
+    times, felt = by_time(found.arrivals_s if arrivals else found.stamps_s, both, MOST_INERTIAL)
     if len(times) < 2 or not felt[:, 3:].any():
         return None
     silent = "; its gyroscope is silent" if not felt[:, :3].any() else ""
