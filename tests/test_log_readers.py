@@ -1,7 +1,7 @@
 """Recordings with their attitude in or beside them: GoPro, phones, DJI's photos, pictures with a log."""
 
-import os
 import contextlib
+import os
 import re
 from pathlib import Path
 

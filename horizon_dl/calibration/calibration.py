@@ -1,16 +1,23 @@
 """One door for camera files of every kind."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from horizon_dl.calibration.candidate import Wanted, choose
 from horizon_dl.calibration.fields import Fields
 from horizon_dl.calibration.mount import ImuMount, Mount, mount_of
-from horizon_dl.calibration.registry import family_of
+from horizon_dl.calibration.registry import cameras_in
 from horizon_dl.calibration.tree import read_tree
+from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
 
 QUARTER_TURNS_CCW = {"none": 0, "0": 0, "90ccw": 1, "90cw": 3, "180": 2, "270ccw": 3, "270cw": 1}
+
+
+COMMON = ("rotate_image", "mount_rpy_deg", "imu_axes", "use_camera")
+"""Fields that may stand in every kind of file."""
+_LIKE_COMMON = re.compile(r"(mount|rotat|imu_ax|use_cam)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -64,12 +71,20 @@ def read_calibration(
         base, _, name = path.name.rpartition("#")
         path = path.with_name(base)
     fields = Fields(path, read_tree(path))
-    family = family_of(path, fields.content)
+    _check_common(fields)
     turn = fields.text("rotate_image").lower() or "none"
     if turn not in QUARTER_TURNS_CCW:
         raise fields.wrong("rotate_image", "one of " + ", ".join(QUARTER_TURNS_CCW))
     upright = size[::-1] if size and QUARTER_TURNS_CCW[turn] % 2 else size
     wanted = Wanted(upright, name or fields.text("use_camera") or None)
-    found, choice = choose(path, family.candidates(fields, wanted), wanted)
+    found, choice = choose(path, cameras_in(fields, wanted), wanted)
     mount = mount_of(fields, found, imu_axes)
     return Calibration(found.camera, QUARTER_TURNS_CCW[turn], mount, (*found.notes, *choice))
+
+
+def _check_common(fields: Fields) -> None:
+    """InputError for a field that looks like one of the common ones, and would be left out."""
+    for name in fields.content:
+        if name not in COMMON and _LIKE_COMMON.match(name):
+            hint = f"known are {', '.join(COMMON)}"
+            raise InputError(fields.path, f"has a field '{name[:40]}', which is not known here", hint)

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.calibration.candidate import Candidate, Found, Wanted
 from horizon_dl.calibration.fields import Fields, Tree
-from horizon_dl.calibration.rig_camera import rig_camera, rotation_of
+from horizon_dl.calibration.rig_camera import imu_from_camera, rig_camera, rotation_of
 from horizon_dl.geometry.camera import Camera
 
 NAME = "EuRoC sensor.yaml"
@@ -19,7 +19,9 @@ def recognises(tree: Tree) -> bool:
 
 def candidates(fields: Fields, wanted: Wanted) -> list[Candidate]:
     """Its one camera."""
-    return [Candidate((fields.text("comment") or "camera",), None, lambda: _found(fields))]
+    return [
+        Candidate((fields.text("comment") or "camera",), fields.sizes("resolution"), lambda: _found(fields))
+    ]
 
 
 def sensor_camera(fields: Fields) -> Camera:
@@ -33,8 +35,5 @@ def body_from_camera(fields: Fields) -> NDArray[np.float64]:
 
 
 def _found(fields: Fields) -> Found:
-    if fields.has(TRANSFORM):
-        return Found(sensor_camera(fields), body_from_camera(fields), TRANSFORM)
-    if fields.has("T_cam_imu"):
-        return Found(sensor_camera(fields), rotation_of(fields, "T_cam_imu").T, "T_cam_imu")
-    return Found(sensor_camera(fields))
+    joined = imu_from_camera(fields)
+    return Found(sensor_camera(fields)) if joined is None else Found(sensor_camera(fields), *joined)

@@ -1,5 +1,6 @@
 """The names under which programs write the lens models, and a checked camera from their values."""
 
+import re
 from collections.abc import Sequence
 
 from horizon_dl.calibration.fields import Fields
@@ -10,15 +11,17 @@ from horizon_dl.geometry.lenses.registry import LENSES
 LENS_OF = {name: name for name in LENSES} | {
     "none": "pinhole",
     "plumb_bob": "radtan",
-    "radial-tangential": "radtan",
+    "radial_tangential": "radtan",
     "radtan5": "radtan",
     "brown": "radtan",
     "brown_conrady": "radtan",
     "rational_polynomial": "rational",
-    "pinhole-radtan8": "rational",
+    "pinhole_radtan8": "rational",
     "equidistant": "kannala_brandt",
     "equi": "kannala_brandt",
     "fisheye": "kannala_brandt",
+    "opencv_fisheye": "kannala_brandt",
+    "kb": "kannala_brandt",
     "kb4": "kannala_brandt",
     "kannalabrandt": "kannala_brandt",
     "kannalabrandt8": "kannala_brandt",
@@ -34,7 +37,10 @@ WAY_OUT = "calibrate with one of " + ", ".join(LENSES)
 
 def lens_named(fields: Fields, field: str, name: str) -> str:
     """The lens model of a name as programs write it; InputError, which names it, where it is not known."""
-    lens = LENS_OF.get(name.strip().lower().replace(" ", "_"))
+    plain = re.sub(
+        r"^(distortion[.]|cv2?[.]|cv::)|[\s-]+", lambda found: "" if found[1] else "_", name.strip().lower()
+    )
+    lens = LENS_OF.get(plain)
     if lens is None:
         problem = f"field '{fields.prefix}{field}' is '{name[:40]}', a lens model that is not known"
         raise InputError(fields.path, problem, WAY_OUT)
@@ -85,6 +91,8 @@ def matrix_intrinsics(fields: Fields, name: str) -> tuple[float, float, float, f
         InputError: no such matrix, one that was never calibrated, or one that is skewed.
     """
     rows = fields.numbers(name, 9)
+    if not rows[2] and not rows[5] and rows[6] > 0 and rows[7] > 0:  # by columns, as Open3D and MATLAB
+        rows = tuple(rows[place] for place in (0, 3, 6, 1, 4, 7, 2, 5, 8))
     if not any(rows[:6]):
         raise InputError(
             fields.path,

@@ -35,9 +35,11 @@ PAIRS = (
     ("imageWidth", "imageHeight"),
     ("width", "height"),
 )
-SIZES = ("ImageSize", "image_size", "imageSize", "img_size", "size", "resolution")
+SIZES = ("ImageSize", "image_size", "imageSize", "img_size", "size", "resolution", "DIM")
 FLAGS = ("fisheye_model", "fisheye", "isFisheye")
 MODELS = ("distortion_model", "DistModel", "camera_model", "model")
+MIRROR = "xi"
+"""What cv2.omnidir has beside matrix and coefficients."""
 OF_SECOND = {"M1": "D1", "M2": "D2"}
 
 
@@ -62,11 +64,17 @@ def _found(fields: Fields, matrix: str, wanted: Wanted) -> Found:
     values = fields.numbers(name) if fields.has(name) or matrix not in OF_SECOND else ()
     listed = next((each for each in SIZES if fields.has(each)), None)
     size = fields.sizes(listed) if listed else size_of(fields, wanted.size, PAIRS)
-    lens, notes = _lens(fields, values)
-    return Found(build_camera(fields, lens, size, intrinsics, values), notes=notes)
+    if fields.has(MIRROR):
+        mirror = (
+            fields.numbers(MIRROR, 1)
+            if isinstance(fields.get(MIRROR), dict | list)
+            else (fields.number(MIRROR),)
+        )
+        return Found(build_camera(fields, "omni", size, intrinsics, (*mirror, *values)))
+    return Found(build_camera(fields, _lens(fields, values), size, intrinsics, values))
 
 
-def _lens(fields: Fields, values: tuple[float, ...]) -> tuple[str, tuple[str, ...]]:
+def _lens(fields: Fields, values: tuple[float, ...]) -> str:
     """The lens by a flag or a name, else by the number of coefficients, which OpenCV's functions fix."""
     model = next((name for name in MODELS if fields.text(name)), None)
     stated = None if model is None else lens_named(fields, model, fields.text(model))
@@ -75,7 +83,7 @@ def _lens(fields: Fields, values: tuple[float, ...]) -> tuple[str, tuple[str, ..
         word = fields.text(flag).lower()
         stated = "kannala_brandt" if word not in ("0", "0.0", "false", "no", "") else "radtan"
     if not any(values):
-        return stated or "pinhole", ()
+        return stated or "pinhole"
     if stated in (None, "pinhole"):
         if len(values) == 4:
             raise InputError(
@@ -86,8 +94,8 @@ def _lens(fields: Fields, values: tuple[float, ...]) -> tuple[str, tuple[str, ..
         stated = "radtan"
     if stated == "radtan" and len(values) > 5:
         _check_thin_prism(fields, values)
-        return "rational", ()
-    return stated, ()
+        return "rational"
+    return stated
 
 
 def _check_thin_prism(fields: Fields, values: tuple[float, ...]) -> None:

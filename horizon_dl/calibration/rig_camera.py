@@ -39,6 +39,23 @@ def rig_camera(fields: Fields, distortion_field: str) -> Camera:
     return build_camera(fields, lens, fields.sizes("resolution"), numbers[before:], values)
 
 
+TRANSFORMS = {"T_cam_imu": True, "T_imu_cam": False, "T_BS": False}
+"""Fields that join camera and IMU, and whether they lead from the IMU to the camera."""
+
+
+def imu_from_camera(fields: Fields) -> tuple[NDArray[np.float64], str] | None:
+    """The rotation (3, 3) from the optical frame to the IMU's axes, and the field that states it.
+
+    Raises:
+        InputError: it is no rotation.
+    """
+    for name, to_camera in TRANSFORMS.items():
+        if fields.has(name):
+            rotation = rotation_of(fields, name)
+            return rotation.T if to_camera else rotation, f"{fields.prefix}{name}"
+    return None
+
+
 def rotation_of(fields: Fields, name: str) -> NDArray[np.float64]:
     """The rotation (3, 3) in a 3x3 or 4x4 matrix.
 

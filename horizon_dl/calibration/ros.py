@@ -22,7 +22,12 @@ def candidates(fields: Fields, wanted: Wanted) -> list[Candidate]:
     """Its one camera."""
     fields = Fields(fields.path, _unwrapped(fields.content))
     names = [name for name in (fields.text("camera_name"), "camera") if name]
-    return [Candidate(tuple(names), None, lambda: _found(fields, wanted))]
+    stated = any(fields.has(width) for width, _ in SIZES)
+    return [
+        Candidate(
+            tuple(names), size_of(fields, None, SIZES) if stated else None, lambda: _found(fields, wanted)
+        )
+    ]
 
 
 def _unwrapped(tree: Tree) -> Tree:

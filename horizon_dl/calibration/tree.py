@@ -8,6 +8,7 @@ from typing import Any
 from horizon_dl.calibration.limits import MAX_BYTES
 from horizon_dl.calibration.yaml_tree import yaml_tree
 from horizon_dl.data.regular_file import check_regular
+from horizon_dl.data.tables.text import decoded
 from horizon_dl.errors import InputError
 
 COLMAP_LINES = "colmap cameras"
@@ -33,6 +34,9 @@ def read_tree(path: Path) -> dict[str, Any]:
         if lines and all(_COLMAP.fullmatch(" ".join(line)) for line in lines):
             return {COLMAP_LINES: lines}
         content = yaml_tree(path, text)
+    if not isinstance(content, dict) and "narrow_stereo" in text[:1000]:
+        hint = "give the ost.yaml that the tool wrote beside it"
+        raise InputError(path, "is the ROS calibration tool's ost.txt, which does not name its lens", hint)
     if not isinstance(content, dict):
         raise InputError(path, "holds no fields", "write it as 'name: value' lines")
     return {str(name)[:200]: value for name, value in content.items()}
@@ -43,7 +47,7 @@ def _text(path: Path) -> str:
         check_regular(path, MAX_BYTES)
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
-        return content.decode("utf-16" if content[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
+        return decoded(content)
     except FileNotFoundError:
         raise InputError(
             path, "is missing", "add the camera's calibration, see README, data formats"

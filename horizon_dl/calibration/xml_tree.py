@@ -1,5 +1,6 @@
 """OpenCV's FileStorage as XML, read without entities or document types."""
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,8 @@ def xml_tree(path: Path, text: str) -> Any:
         InputError: not XML, or with entities or a document type.
     """
     try:
-        root = fromstring(text.encode(), forbid_dtd=True)
+        # The text is decoded: what its first line says of its bytes does not hold any more.
+        root = fromstring(re.sub(r"\A\s*<\?xml[^>]*\?>", "", text).encode(), forbid_dtd=True)
     except ParseError as error:
         place = f" (line {error.position[0]})" if getattr(error, "position", None) else ""
         raise InputError(path, f"is not valid XML{place}", "correct the file") from None

@@ -9,6 +9,8 @@ import yaml
 from horizon_dl.data.safe_yaml import BoundedLoader, parse_yaml
 from horizon_dl.errors import InputError
 
+MOST_NAMES = 1000
+
 
 class _Loader(BoundedLoader):
     """The bounded loader, which reads OpenCV's matrices as mappings, and the first document of several."""
@@ -21,6 +23,18 @@ class _Loader(BoundedLoader):
             if node is not None and not (isinstance(node, yaml.ScalarNode) and not node.value):
                 return node
         return None
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        """A mapping; a name that stands twice has two values, of which none is the right one."""
+        names = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)]
+        twice = (
+            next((name for name in names if names.count(name) > 1), None) if len(names) < MOST_NAMES else None
+        )
+        if twice is not None:
+            raise yaml.constructor.ConstructorError(
+                None, None, f"'{twice[:40]}' stands twice", node.start_mark
+            )
+        return super().construct_mapping(node, deep)
 
 
 def _opencv_value(loader: yaml.SafeLoader, suffix: str, node: yaml.Node) -> Any:

@@ -3,7 +3,7 @@
 from pathlib import Path, PurePosixPath
 
 from horizon_dl.data.tables.columns import find_columns
-from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, inside_folder
+from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, images_in, inside_folder
 from horizon_dl.data.tables.table import read_table
 from horizon_dl.errors import InputError
 
@@ -42,7 +42,24 @@ def image_paths(table: Path, cells: list[str]) -> list[Path]:
                 moved = [str(PurePosixPath(place, end)) for end in ends]
                 if _is_there(table, moved[0]):
                     return [inside_folder(table, folder, name) for name in moved]
-    return [inside_folder(table, folder, name) for name in names]
+    paths = [inside_folder(table, folder, name) for name in names]
+    return paths if names and paths[0].is_file() else _by_stem(table, names) or paths
+
+
+def _by_stem(table: Path, names: list[str]) -> list[Path] | None:
+    """Images that the table names without a suffix, or in other letters; None: not all are there."""
+    for place in (".", *IMAGE_FOLDERS):
+        images = images_in(table.parent / place)
+        stems = {image.stem.lower(): image for image in images}
+        wanted = [_stem(name) for name in names]
+        if images and len(stems) == len(images) and all(stem in stems for stem in wanted):
+            return [table.parent / place / stems[stem].name for stem in wanted]
+    return None
+
+
+def _stem(name: str) -> str:
+    last = PurePosixPath(name).name.lower()
+    return last[: -len(PurePosixPath(last).suffix)] if last.endswith(IMAGE_SUFFIXES) else last
 
 
 def _is_there(table: Path, name: str) -> bool:

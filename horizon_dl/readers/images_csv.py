@@ -20,7 +20,7 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.source import Recording
-from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
+from horizon_dl.data.tables.attitude_columns import convention_of, read_attitudes, read_times
 from horizon_dl.data.tables.columns import Column, find_columns, require
 from horizon_dl.data.tables.parsing import MOST_HEIGHT_M, relative_name
 from horizon_dl.data.tables.table import Table, read_table
@@ -74,7 +74,9 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
         mount_rpy_rad=calibration.mount_rpy_rad,
         notes=(*calibration.notes, *notes, *more_notes),
-        reading=reading_with(Convention(), calibration.mount_rpy_rad),
+        reading=reading_with(
+            convention_of(columns) if given.attitude is None else Convention(), calibration.mount_rpy_rad
+        ),
     )
     return replace(recording, attitudes=moved)
 

@@ -8,8 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.convention import Convention
 from horizon_dl.data.given import Given
-from horizon_dl.data.tables.columns import LENGTH_UNITS, TIME_UNITS, Column, require
+from horizon_dl.data.tables.columns import (
+    LENGTH_UNITS,
+    TIME_UNITS,
+    Column,
+    is_of_message,
+    nanoseconds_beside,
+    require,
+)
 from horizon_dl.data.tables.iso_time import seconds_of_dates
 from horizon_dl.data.tables.parsing import usable_quaternions
 from horizon_dl.data.tables.table import Table
@@ -53,6 +61,9 @@ def read_times(table: Table, columns: Columns, given: Given, steps: Steps) -> tu
     if dates is not None:
         return dates, ()
     values = table.numbers(column.name)
+    rest = nanoseconds_beside(table, column)
+    if rest is not None:
+        return values + 1e-9 * table.numbers(rest), ()
     unit = given.time_unit or _decided(table, clock_unit, values, column.unit, steps)
     named = column.unit or "s"
     note = f"column '{column.name}' is read as {UNIT_NAMES[unit]}, which alone fits its numbers"
@@ -81,13 +92,22 @@ def read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeColu
     return AttitudeColumns(quaternions, yaws, heights_m, notes, filled)
 
 
+def convention_of(columns: Columns) -> Convention:
+    """How the table's attitudes are read: FRD in NED, and those of ROS messages as FLU in ENU."""
+    return Convention("flu", "z") if "qw" in columns and is_of_message(columns["qw"].name) else Convention()
+
+
 def _from_quaternions(table: Table, columns: Columns, heights_m: Floats) -> AttitudeColumns:
+    notes: tuple[str, ...] = ()
     raw = np.stack([table.numbers(columns[role].name) for role in QUATERNION], axis=-1)
     usable = usable_quaternions(raw)
     quaternions = np.full_like(raw, np.nan)
     quaternions[usable] = raw[usable] / np.linalg.norm(raw[usable], axis=-1, keepdims=True)
+    if convention_of(columns) != Convention():
+        quaternions = quaternions * [1.0, 1.0, -1.0, -1.0]
+        notes = ("the quaternion is a ROS message's: body x forward, y left, z up; world z up",)
     yaws = [yaw_of(one) if np.isfinite(one).all() else math.nan for one in quaternions]
-    return AttitudeColumns(quaternions, np.array(yaws), heights_m, as_read=raw)
+    return AttitudeColumns(quaternions, np.array(yaws), heights_m, notes, raw)
 
 
 def _angles_rad(table: Table, columns: Columns, given: Given) -> tuple[Floats, tuple[str, ...]]:

@@ -31,10 +31,10 @@ KEYS = {
     "yaw": "yaw psi heading hdg yaw_angle angle_yaw azimuth",
     "height": "height agl height_agl altitude_agl alt_agl height_above_ground relative_altitude "
     "altitude_relative rel_alt relative_alt alt_rel",
-    "qw": "qw q_w q0 q_0 quat_w quaternion_w quat_0 q_real qi",
-    "qx": "qx q_x q1 q_1 quat_x quaternion_x quat_1",
-    "qy": "qy q_y q2 q_2 quat_y quaternion_y quat_2",
-    "qz": "qz q_z q3 q_3 quat_z quaternion_z quat_3",
+    "qw": "qw q_w q0 q_0 quat_w quaternion_w quat_0 q_real qi orientation_w",
+    "qx": "qx q_x q1 q_1 quat_x quaternion_x quat_1 orientation_x",
+    "qy": "qy q_y q2 q_2 quat_y quaternion_y quat_2 orientation_y",
+    "qz": "qz q_z q3 q_3 quat_z quaternion_z quat_3 orientation_z",
 }
 PREFIXES = (
     *("att", "attitude", "body", "vehicle", "drone", "uav", "robot", "imu", "pose", "camera", "cam"),
@@ -60,6 +60,10 @@ UNITS_OF = {
     "height": frozenset(LENGTH_UNITS),
     **dict.fromkeys(("roll", "pitch", "yaw"), frozenset(("rad", "deg"))),
 }
+
+
+NANOSECONDS = ("nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds")
+"""How a message's stamp names what its whole seconds lack."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +107,15 @@ def match(name: str, role: str) -> tuple[int, Column] | None:
             return keys.index(key), Column(name, unit)
         if rest and rest[0] in PREFIXES and bare in keys:
             return len(keys) + keys.index(bare), Column(name, unit)
+        if is_of_message(name):
+            last = "_".join(rest[-2:])
+            return (2 * len(keys), Column(name, unit)) if last in keys else None
     return None
+
+
+def is_of_message(name: str) -> bool:
+    """Whether a column is of the quaternion of a ROS message, as `field.pose.pose.orientation.x`."""
+    return words_of(name)[-2:-1] == ["orientation"]
 
 
 def find_columns(table: Table) -> dict[str, Column]:
@@ -127,3 +139,19 @@ def require(table: Table, columns: dict[str, Column], roles: tuple[str, ...]) ->
         problem = f"has no column{'s' * (len(missing) > 1)} '{', '.join(missing)}'; {table.found}"
         needed = ", ".join(OWN_NAMES[role] for role in roles)
         raise InputError(table.path, problem, f"needed are {needed}")
+
+
+def nanoseconds_beside(table: Table, column: Column) -> str | None:
+    """The column of nanoseconds that belongs to one of whole seconds, as `stamp.secs` and `stamp.nsecs`.
+
+    Example:
+        >>> from pathlib import Path
+        >>> table = Table(Path("log.csv"), ("stamp.sec", "stamp.nanosec"), ())
+        >>> nanoseconds_beside(table, Column("stamp.sec", "s"))
+        'stamp.nanosec'
+    """
+    *head, unit = words_of(column.name)
+    if UNIT_WORDS.get(unit) != "s":
+        return None
+    names = ((name, words_of(name)) for name in table.names)
+    return next((name for name, words in names if words[:-1] == head and words[-1] in NANOSECONDS), None)

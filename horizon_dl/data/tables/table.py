@@ -118,6 +118,7 @@ def read_table(path: Path) -> Table:
         problem = f"has rows of {longest} cells under a header of {len(names)}"
         raise InputError(path, problem, "name every column; separate decimal commas with semicolons")
     width = len(names)
+    _drop_cut_off(rows)
     return Table(path, tuple(names), tuple(tuple([*row, *[""] * width][:width]) for row in rows))
 
 
@@ -137,6 +138,23 @@ def find_separator(lines: Sequence[str]) -> str:
     best = max((*SEPARATORS, " "), key=lambda separator: fitting(separator)[0])
     # Rows are often cut short, but not most of them.
     return best if fitting(best)[0] > 0.5 else max(SEPARATORS, key=lambda one: lines[0].count(one))
+
+
+def _drop_cut_off(rows: list[list[str]]) -> None:
+    """Blanks the last cell of a last row that was cut off: what is left of it is another number."""
+    if len(rows) < 3 or not rows[-1]:
+        return
+    last, others = rows[-1], rows[-LOOKED_AT:-1]
+    place = len(last) - 1
+    cells = [row[place] for row in others if len(row) > place]
+    shorter_row = all(len(row) > len(last) for row in others)
+    shorter_cell = bool(cells) and any(size(last[place]) < min(map(size, cells)) for size in (len, _decimals))
+    if shorter_row or shorter_cell:
+        last[place] = ""
+
+
+def _decimals(cell: str) -> int:
+    return len(re.split(r"[.,]", cell, maxsplit=1)[-1]) if re.search(r"[.,]", cell) else 0
 
 
 def _cells(line: str, separator: str) -> list[str]:

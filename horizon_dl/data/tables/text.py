@@ -7,6 +7,8 @@ from horizon_dl.data.regular_file import MOST_TEXT, check_regular
 from horizon_dl.errors import InputError
 
 MARKS = (
+    (codecs.BOM_UTF32_LE, "utf-32-le"),  # begins as UTF-16's does
+    (codecs.BOM_UTF32_BE, "utf-32-be"),
     (codecs.BOM_UTF8, "utf-8"),
     (codecs.BOM_UTF16_LE, "utf-16-le"),
     (codecs.BOM_UTF16_BE, "utf-16-be"),
@@ -47,6 +49,7 @@ def decoded(data: bytes) -> str:
         return data.decode("utf-16-le")
     if len(data) >= 4 and data[0] == 0 == data[2]:
         return data.decode("utf-16-be")
+    data = data.rstrip(b"\0")  # what a file system leaves at the end when the power goes
     if b"\0" in data:
         raise UnicodeDecodeError("utf-8", data, data.index(b"\0"), data.index(b"\0") + 1, "a zero byte")
     try:

@@ -1,0 +1,139 @@
+"""Tables as loggers leave them: stamps in two columns, times of day, ROS messages, what power loss leaves."""
+
+from pathlib import Path
+
+import make_sets
+import numpy as np
+import pytest
+
+from horizon_dl.data.convention import Convention
+from horizon_dl.data.frame import FrameHeader
+from horizon_dl.data.tables.columns import match
+from horizon_dl.data.tables.iso_time import seconds_of_dates
+from horizon_dl.data.tables.table import read_table
+from horizon_dl.geometry.attitude import quaternion_from_rpy
+from horizon_dl.logs.attitude_logs.csv_table import read as read_attitude_csv
+from horizon_dl.readers.registry import open_recording
+
+ROWS = [
+    ("images/Shot_a.png", 5.0, 0.1, 0.05),
+    ("images/Shot_b.png", 5.1, -0.2, 0.1),
+    ("images/Shot_c.png", 5.2, 0.0, -0.15),
+]
+PLAIN = "image,time_s,roll_rad,pitch_rad\n" + "".join(",".join(map(str, row)) + "\n" for row in ROWS)
+
+
+def opened(folder: Path, text: str | bytes) -> tuple[FrameHeader, ...]:
+    for name, *_ in ROWS:
+        make_sets.save_image(folder / name)
+    (folder / "camera.yaml").write_text(make_sets.CAMERA_YAML)
+    (folder / "frames.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
+    return tuple(open_recording(folder).headers)
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> tuple[FrameHeader, ...]:
+    return opened(tmp_path_factory.mktemp("plain"), PLAIN)
+
+
+def check_same(found: tuple[FrameHeader, ...], wanted: tuple[FrameHeader, ...]) -> None:
+    assert len(found) == len(wanted)
+    for one, other in zip(found, wanted, strict=True):
+        np.testing.assert_allclose(one.up_cam, other.up_cam, atol=1e-7)
+        assert one.time_s - found[0].time_s == pytest.approx(other.time_s - wanted[0].time_s, abs=1e-5)
+
+
+def rewritten(header: str, clock: str = "{t}", image: str = "{i}", attitude: str = "{r},{p}") -> str:
+    """The rows with other words for each column."""
+    lines = [header]
+    for index, (name, time_s, roll, pitch) in enumerate(ROWS):
+        w, x, y, z = quaternion_from_rpy(roll, pitch, 0.0)
+        words = {
+            **{"t": time_s, "ts": int(time_s), "tn": round(time_s % 1 * 1e9), "i": name, "r": roll},
+            **{"p": pitch, "stem": Path(name).stem, "n": index, "w": w, "x": x, "y": y, "z": z},
+            **{"my": -y, "mz": -z, "deg_r": np.degrees(roll), "deg_p": np.degrees(pitch)},
+        }
+        lines.append(",".join(cell.format(**words) for cell in (image, clock, attitude)))
+    return "\n".join(lines) + "\n"
+
+
+ANGLES = "roll_rad,pitch_rad"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        rewritten(f"image,sec,nanosec,{ANGLES}", "{ts},{tn}"),
+        rewritten(f"image,header.stamp.secs,header.stamp.nsecs,{ANGLES}", "{ts},{tn}"),
+        rewritten(f"image,stamp_sec,stamp_nanosec,{ANGLES}", "{ts},{tn}"),
+        rewritten(f"image,time,{ANGLES}", "00:00:{t:04.1f}"),
+        rewritten(f"image,time,{ANGLES}", "23:59:{t:06.3f}"),
+        rewritten(f"image,date,time,{ANGLES}", "2024-05-01,12:00:{t:04.1f}"),
+        rewritten(f"image,time_s,{ANGLES}", image="{stem}"),
+        rewritten(f"image,time_s,{ANGLES}", image="IMAGES/{stem}.PNG").replace("Shot", "SHOT"),
+        rewritten(f"image,time_s,{ANGLES}", image="images/{stem}.jpg"),
+        rewritten("image,time_s,qx,qy,qz,qw", attitude="{x},{y},{z},{w}"),
+        rewritten(
+            "image,time_s,pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w",
+            attitude="{x},{my},{mz},{w}",
+        ),
+        PLAIN.encode() + b"\0" * 512,
+        PLAIN.encode("utf-32"),
+    ],
+)
+def test_a_table_is_read_as_the_plain_one(
+    tmp_path: Path, plain: tuple[FrameHeader, ...], text: str | bytes
+) -> None:
+    check_same(opened(tmp_path, text), plain)
+
+
+def test_a_ros_messages_quaternion_keeps_its_convention(tmp_path: Path) -> None:
+    names = ",".join(f"field.pose.pose.orientation.{axis}" for axis in "xyzw")
+    text = rewritten(f"image,time_s,{names}", attitude="{x},{my},{mz},{w}")
+    opened(tmp_path, text)
+    recording = open_recording(tmp_path)
+    assert recording.reading is not None
+    assert recording.reading.convention == Convention("flu", "z")
+    again = recording.read_as("frd z-down")
+    assert not np.allclose(again.headers[0].up_cam, recording.headers[0].up_cam)
+    assert any("ROS message" in note for note in recording.notes)
+
+
+@pytest.mark.parametrize("cut", range(1, 12))
+def test_power_loss_in_the_last_row(tmp_path: Path, plain: tuple[FrameHeader, ...], cut: int) -> None:
+    """What is left of the last number is no attitude, or the right one to the digits that are left."""
+    long = (
+        PLAIN.replace("0.1,", "0.100000,")
+        .replace("-0.15", "-0.150000")
+        .replace("0.05", "0.050000")
+        .replace("0.1\n", "0.100000\n")
+    )
+    found = opened(tmp_path, long[:-cut].encode() + b"\0" * 64)
+    check_same(found[:2], plain[:2])
+    last = found[2].up_cam
+    assert last is None or np.degrees(np.arccos(np.clip(last @ plain[2].up_cam, -1, 1))) < 1e-3
+
+
+def test_a_log_that_power_loss_cut_off(tmp_path: Path) -> None:
+    lines = [f"{0.02 * k:.3f},{0.123456:.6f},{-0.12345:.6f}" for k in range(20)]
+    path = tmp_path / "log.csv"
+    path.write_bytes(("time_s,roll_rad,pitch_rad\n" + "\n".join(lines)).encode()[:-5] + b"\0" * 4096)
+    assert len(read_attitude_csv(path).times_s) == 19
+
+
+def test_short_last_cells_that_are_whole_are_kept(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("time_s,roll_rad,note\n1.0,0.1,\n2.0,0.2,\n3.0,0.3,\n")
+    assert read_table(path).texts("roll_rad") == ["0.1", "0.2", "0.3"]
+
+
+def test_times_of_day_go_on_past_midnight() -> None:
+    found = seconds_of_dates(["23:59:59.5", "", "00:00:00.5", "00:00:01,5"])
+    assert found is not None
+    np.testing.assert_allclose(found, [86399.5, np.nan, 86400.5, 86401.5])
+    assert seconds_of_dates(["12:00:00", "soon"]) is None
+
+
+@pytest.mark.parametrize("name", ["orientation", "disorientation.x", "orientation.u", "orientation.x.sigma"])
+def test_columns_that_only_look_like_a_messages(name: str) -> None:
+    assert match(name, "qx") is None
