@@ -11,7 +11,7 @@ from horizon_dl.evidence.damage import channel_is_lost, damage, is_combed, is_to
 from horizon_dl.evidence.exposure import exposure_problem
 from horizon_dl.evidence.horizon_skill import horizon_accuracy
 from horizon_dl.evidence.limits import LIMITS
-from horizon_dl.evidence.place import Place, PlaceCalibration
+from horizon_dl.evidence.place import Place, PlaceCalibration, usual_floor_p
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.evidence.sectors import box_mean, claimed_share, lost_pixels
 from horizon_dl.evidence.sketch import luma, sketch_of
@@ -19,6 +19,7 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import bearings_for, polar_view
 from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.ranging.contact import ContactDetectorParams
 from horizon_dl.ranging.free_distance import Outcome, free_distances
 
 CAMERA = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
@@ -192,6 +193,31 @@ def test_damaged_limits_are_told(damaged: object) -> None:
     card = {**place().to_card(), **damaged} if isinstance(damaged, dict) and damaged else damaged
     with pytest.raises(ValueError, match="evidence limits"):
         Place.from_card(card)
+
+
+def test_the_usual_floor_is_the_median_of_the_pictures_own_levels() -> None:
+    rng = np.random.default_rng(1)
+    calibration = PlaceCalibration(contact=ContactDetectorParams(floor_percentile=20.0))
+    levels = []
+    for seed in range(5):
+        p = np.where(ELEVATION > 0, 0.9, rng.uniform(0.02, 0.4, ELEVATION.shape)).astype(np.float32)
+        calibration.add(scene(seed), ELEVATION, p)
+        ground = np.sort(p[np.rad2deg(ELEVATION) < -1.0].astype(np.float64))
+        levels.append(ground[round(0.2 * (len(ground) - 1))])
+    found = calibration.place()
+    assert found is not None
+    assert found.floor_p == pytest.approx(sorted(levels)[2], abs=1e-3)
+    assert Place.from_card(found.to_card()).floor_p == found.floor_p
+    assert usual_floor_p(found, 0.5) == found.floor_p
+
+
+def test_a_card_of_before_falls_back_on_the_threshold() -> None:
+    card = {key: value for key, value in place().to_card().items() if key != "floor_p"}
+    older = Place.from_card(card)
+    assert older.floor_p is None
+    # Binary entropy of .11 is .49992 bits.
+    assert usual_floor_p(older, 0.5) == pytest.approx(0.11, abs=1e-3)
+    assert usual_floor_p(None, 0.5) == usual_floor_p(older, 0.5)
 
 
 def test_no_picture_with_a_horizon_gives_no_limits() -> None:

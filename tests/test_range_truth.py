@@ -167,7 +167,7 @@ def test_the_block_of_a_recording(tmp_path: Path) -> None:
     block = RangingBlock(recording.headers)
     p_above = np.where(labels == 2, 0.4, 0.03).astype(np.float32)
     for index in range(2):  # the second has neither labels nor depth
-        block.update(recording.read(index), p_above, threshold=0.5)
+        block.update(recording.read(index), p_above, floor_p=0.1)
     metrics = block.compute()
     assert metrics["interval_m"] == [0.7, 4.0]
     for one in (metrics, metrics["connected"], metrics["true_floor"]):

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from horizon_dl.evidence.appearance import FEATURES, LEAST_RANGE, appearance
 from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
+from horizon_dl.ranging.contact import ContactDetectorParams
+from horizon_dl.ranging.free_distance import p_of_entropy
 
 LEVELS = 16
 """Of each channel; a colour is familiar if it or a neighbour among 16 x 16 x 16 was seen."""
@@ -19,6 +21,8 @@ RARE = 5e-5
 """Share of the training pixels below which a colour counts as never seen."""
 LOG_RANGE = (-2.0, 8.0)
 """All that the logarithms of changes in grey levels can be."""
+UNSEEN_RAD = float(np.deg2rad(1.0))
+"""This close to the horizon the attitude's error decides the side."""
 VERSION = 1
 
 
@@ -32,6 +36,8 @@ class Place:
         colours: (16, 16, 16) bool, familiar colours below the horizon.
         frames: how many pictures tell so.
         horizon_accuracy: of the net on them, mean; tells a net that has not learned enough.
+        floor_p: `p_above` of the floor on them, median of the pictures' own floor levels; None in cards of
+            before it was kept.
     """
 
     low: tuple[float, ...]
@@ -39,6 +45,7 @@ class Place:
     colours: NDArray[np.bool_]
     frames: int
     horizon_accuracy: float
+    floor_p: float | None = None
 
     def strangeness(self, features: NDArray[np.floating]) -> tuple[float, str]:
         """How far a picture lies outside of the ranges, in ranges, and by which feature; 0 inside.
@@ -77,6 +84,7 @@ class Place:
             "version": VERSION,
             "frames": self.frames,
             "horizon_accuracy": self.horizon_accuracy,
+            "floor_p": self.floor_p,
             "ranges": {name: [a, b] for name, a, b in zip(FEATURES, self.low, self.high, strict=True)},
             "colours": np.packbits(self.colours).tobytes().hex(),
         }
@@ -95,23 +103,31 @@ class Place:
             ranges = np.array([[float(value) for value in pair] for pair in pairs])
             bits = np.unpackbits(np.frombuffer(bytes.fromhex(card["colours"]), np.uint8))
             frames, accuracy = int(card["frames"]), float(card["horizon_accuracy"])
+            floor_p = None if card.get("floor_p") is None else float(card["floor_p"])
         except (KeyError, TypeError, ValueError):
             raise ValueError("has damaged evidence limits") from None
         good = ranges.shape == (len(FEATURES), 2) and bits.size == LEVELS**3 and np.isfinite(ranges).all()
-        good = good and 0 <= accuracy <= 1
+        good = good and 0 <= accuracy <= 1 and (floor_p is None or 0 <= floor_p <= 1)
         if not good or (ranges[:, 0] > ranges[:, 1]).any() or frames < 1:
             raise ValueError("has damaged evidence limits")
         colours = bits.astype(np.bool_).reshape(LEVELS, LEVELS, LEVELS)
         low, high = ranges.T.tolist()
-        return cls(tuple(low), tuple(high), colours, frames, accuracy)
+        return cls(tuple(low), tuple(high), colours, frames, accuracy, floor_p)
 
 
 @dataclass
 class PlaceCalibration:
-    """Collects what `Place` needs, training picture by training picture."""
+    """Collects what `Place` needs, training picture by training picture.
+
+    Attributes:
+        limits: of the config.
+        contact: how the floor's level is taken.
+    """
 
     limits: EvidenceLimits = LIMITS
+    contact: ContactDetectorParams = field(default_factory=ContactDetectorParams)
     _features: list[NDArray[np.float64]] = field(default_factory=list)
+    _floors: list[float] = field(default_factory=list)
     _counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(LEVELS**3, np.int64))
 
     def add(
@@ -119,6 +135,9 @@ class PlaceCalibration:
     ) -> None:
         """One picture at the working size; see `appearance`."""
         self._features.append(appearance(image, elevation, p_above, self.limits))
+        ground = p_above[elevation < -UNSEEN_RAD]
+        if ground.size:
+            self._floors.append(float(np.percentile(ground, self.contact.floor_percentile)))
         below = image[elevation < 0] // (256 // LEVELS)
         index = (below[:, 0].astype(np.int64) * LEVELS + below[:, 1]) * LEVELS + below[:, 2]
         self._counts += np.bincount(index, minlength=LEVELS**3)
@@ -138,7 +157,19 @@ class PlaceCalibration:
             with_neighbours(seen),
             len(features),
             float(np.nanmean(features[:, FEATURES.index("horizon_accuracy")])),
+            float(np.median(self._floors)) if self._floors else None,
         )
+
+
+def usual_floor_p(place: Place | None, threshold: float) -> float:
+    """`p_above` that the floor usually has: of the training pictures, else the most that a floor may have.
+
+    Args:
+        place: what the training pictures were like, where that was kept.
+        threshold: the paper's, bits.
+    """
+    known = None if place is None else place.floor_p
+    return p_of_entropy(threshold) if known is None else known
 
 
 def with_neighbours(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:

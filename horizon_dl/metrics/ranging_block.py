@@ -10,7 +10,7 @@ from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.metrics.metric import State, joined_states, part_of
 from horizon_dl.metrics.range_truth import level_ranges, true_obstacles
 from horizon_dl.metrics.ranging import RangingAccumulator
-from horizon_dl.ranging.free_distance import RangingParams, p_of_entropy
+from horizon_dl.ranging.free_distance import RangingParams
 
 INDOORS_M = (0.7, 4.0)
 ON_THE_ROAD_M = (5.0, 25.0)
@@ -31,7 +31,7 @@ class RangingBlock:
 
     Example:
         >>> block = RangingBlock(recording.headers)                    # doctest: +SKIP
-        >>> block.update(frame, p_above, threshold)               # doctest: +SKIP
+        >>> block.update(frame, p_above, floor_p)                 # doctest: +SKIP
         >>> metrics["ranging"] = block.compute()               # doctest: +SKIP
     """
 
@@ -45,19 +45,19 @@ class RangingBlock:
             "true_floor": RangingAccumulator(near_m, far_m, rules=rules),
         }
 
-    def update(self, frame: Frame, p_above: NDArray[np.float32], threshold: float) -> None:
+    def update(self, frame: Frame, p_above: NDArray[np.float32], floor_p: float) -> None:
         """Count one frame; those without range, truth, attitude or height are left out.
 
         Args:
             frame: of the recording.
             p_above: (h, w) a learner's, at any size of the frame's aspect.
-            threshold: the learner's entropy threshold, bits: what a floor has at most.
+            floor_p: what the learner usually says of a floor, in [0, 1]; see `usual_floor_p`.
         """
         range_m = level_ranges(frame)
         if range_m is None or frame.truth is None:
             return
         for name in ("everything", "connected"):
-            self.accumulators[name].update(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
+            self.accumulators[name].update(frame, p_above, range_m, floor_p=floor_p)
         if frame.up_cam is not None:
             true_floor = self.accumulators["true_floor"]
             not_free, known = true_obstacles(frame, range_m, true_floor.bearings)

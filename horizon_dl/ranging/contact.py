@@ -28,6 +28,7 @@ class ContactDetectorParams:
 
     Attributes:
         floor_percentile: of the frame's cells below the horizon: the frame's own floor level.
+        floor_margin: that level is at most this much over the usual one of the training pictures.
         rise: a cell this much over its bearing's floor level speaks for an obstacle.
         alarm_rad: sum of rise over depression at which the obstacle is certain, logit x rad; lower specks
             are no obstacle.
@@ -35,6 +36,7 @@ class ContactDetectorParams:
     """
 
     floor_percentile: float = setting(9.0, 0.0, 50.0)
+    floor_margin: float = setting(0.3, -5.0, 5.0)
     rise: float = setting(0.7, 0.01, 5.0)
     alarm_rad: float = angle_deg(1.0, 0.01, 45.0)
     prior_rad: float = angle_deg(3.0, 0.01, 90.0)
@@ -63,12 +65,12 @@ def first_contact(obstacle: Mask, seen: Mask, window: int, share: float, unseen_
 
 
 def floor_level(logit: Floats, seen: Mask, usual: float | None, rules: ContactDetectorParams) -> float:
-    """The floor's logit in a frame: a percentile of its cells, but at most the `usual` level of training.
+    """The floor's logit in a frame: a percentile of its cells, but at most a margin over the `usual` level.
 
     Without the limit a frame full of wall would be all floor.
     """
     own = float(np.percentile(logit[seen], rules.floor_percentile)) if seen.any() else -math.inf
-    level = min(own, math.inf if usual is None else usual)
+    level = min(own, math.inf if usual is None else usual + rules.floor_margin)
     return level if math.isfinite(level) else 0.0
 
 

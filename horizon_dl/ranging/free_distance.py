@@ -149,8 +149,8 @@ def free_distances_from_p(
         p_above: (h, w) in [0, 1], NaN where nothing is said.
         polar: the same frame's cells.
         height_m: see `free_distances`.
-        floor_p: `p_above` that a floor has at most (`p_of_entropy` of the paper's threshold); without it a
-            frame full of wall passes for floor.
+        floor_p: `p_above` that the floor usually has (`usual_floor_p`); without it a frame full of wall
+            passes for floor.
         connected_only: see `free_distances`.
         rules: see `free_distances`.
     """

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.evaluation.scoring import ScoredFrame
+from horizon_dl.evidence.place import usual_floor_p
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.range_truth import level_ranges, true_distances
 from horizon_dl.metrics.ranging import EVALUATION_BEARINGS, RangingAccumulator
 from horizon_dl.output.names import ResultNames
-from horizon_dl.ranging.free_distance import Outcome, p_of_entropy
+from horizon_dl.ranging.free_distance import Outcome
 from horizon_dl.reporting.outputs import can_film
 from horizon_dl.reporting.run_page import FILM
 from horizon_dl.reporting.stills import Said, Stills, auc_of, still
@@ -109,7 +110,9 @@ class ComparisonLog:
             return
         p_above, threshold = scored.maps[learner][P_ABOVE], scored.thresholds[learner]
         accumulator = RangingAccumulator(rules=self._rules.ranging)
-        found = accumulator.update(frame, p_above, range_m, floor_p=p_of_entropy(threshold))
+        found = accumulator.update(
+            frame, p_above, range_m, floor_p=usual_floor_p(scored.places.get(learner), threshold)
+        )
         if found is None:
             return
         truth_m = true_distances(frame, range_m, EVALUATION_BEARINGS)

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from horizon_dl.evidence.judge import Judge, Judged
-from horizon_dl.evidence.place import Place
+from horizon_dl.evidence.place import Place, usual_floor_p
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, bearings_for, polar_view
-from horizon_dl.ranging.free_distance import FreeDistances, free_distances_from_p, no_distances, p_of_entropy
+from horizon_dl.ranging.free_distance import FreeDistances, free_distances_from_p, no_distances
 from horizon_dl.ranging.temporal_filter import SectorFilter
 from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.vehicle.flight_params import FlightParams
@@ -132,7 +132,7 @@ class Perception:
             outputs.p_above,
             polar,
             height_m,
-            floor_p=p_of_entropy(self.model.threshold),
+            floor_p=usual_floor_p(self.model.place, self.model.threshold),
             connected_only=self.connected_only,
             rules=self.model.rules.ranging,
         )

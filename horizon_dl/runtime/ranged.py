@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.evidence.judge import Judge
-from horizon_dl.evidence.place import Place
+from horizon_dl.evidence.place import Place, usual_floor_p
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import OPTICAL_AXIS, bearings_for, polar_view
 from horizon_dl.ranging.free_distance import (
@@ -15,7 +15,6 @@ from horizon_dl.ranging.free_distance import (
     Outcome,
     free_distances_from_p,
     no_distances,
-    p_of_entropy,
 )
 from horizon_dl.ranging.heading import Heading, free_heading
 from horizon_dl.runtime.prediction import Prediction
@@ -106,7 +105,7 @@ def range_frame(
         return None
     rules = rules or FlightRules()
     found = free_distances_from_p(
-        p_above, polar, frame.height_m, floor_p=p_of_entropy(threshold), rules=rules.ranging
+        p_above, polar, frame.height_m, floor_p=usual_floor_p(place, threshold), rules=rules.ranging
     )
     doubts: tuple[str, ...] = ()
     if place is not None:

@@ -13,6 +13,7 @@ from horizon_dl.evidence.place import Place, PlaceCalibration
 from horizon_dl.evidence.self_assessment import SelfAssessment
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.ranging.contact import ContactDetectorParams
 
 EVIDENCE_FRAMES = 100
 
@@ -30,6 +31,7 @@ def training_evidence(
     net: HorizonFCN,
     frames: Iterable[tuple[NDArray[np.uint8], NDArray[np.floating]]],
     limits: EvidenceLimits = LIMITS,
+    contact: ContactDetectorParams | None = None,
 ) -> dict[str, Any]:
     """What a net says of some of its training frames, ready for JSON.
 
@@ -37,11 +39,12 @@ def training_evidence(
         net: trained.
         frames: image, (h, w, 3) uint8 RGB at the working size, and elevation, (h, w) rad.
         limits: of the config.
+        contact: of the config; the defaults if left out.
 
     Returns:
         `evidence`, the limits of `Place` (None if no horizon is in view), and `self_assessment`.
     """
-    calibration, assessment = PlaceCalibration(limits), SelfAssessment()
+    calibration, assessment = PlaceCalibration(limits, contact or ContactDetectorParams()), SelfAssessment()
     for image, elevation in frames:
         p_above = EncodedImage(net, image).samples().mean(axis=0)
         calibration.add(image, elevation, p_above)

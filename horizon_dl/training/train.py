@@ -275,7 +275,7 @@ def evidence_of(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> d
     """See `training_evidence`, over at most 100 of the frames."""
     views = store.views(evenly(indices, EVIDENCE_FRAMES))
     frames = ((view.image, view.elevation) for view in views)
-    return training_evidence(net, frames, store.config.evidence)
+    return training_evidence(net, frames, store.config.evidence, store.config.contact)
 
 
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:

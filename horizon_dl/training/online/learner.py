@@ -154,7 +154,7 @@ class OnlineLearner:
             threshold = remembered_threshold(net, frames, self.config)
             remembered = ((unpack(frame).image, unpack_elevation(frame)) for frame in frames)
             looks = ((image, doubled(half, image.shape[:2])) for image, half in remembered)
-            evidence = training_evidence(net, looks, self.config.evidence)
+            evidence = training_evidence(net, looks, self.config.evidence, self.config.contact)
             return Run(net, self.config, {**info, "threshold": threshold, **evidence, **rule})
 
         return run
