@@ -121,8 +121,8 @@ def _source(arguments: argparse.Namespace) -> "FrameSource":
         options = "--camera-delay, --system or --signing-key"
         raise InputError(options, "has no meaning without an autopilot", "give --attitude mavlink:URL")
     check_autopilot(arguments)
-    wanted = given(arguments, needs_attitude=url is None)
-    source = open_source(arguments.data, arguments.format, wanted, delay_s=arguments.camera_delay)
+    beside = given(arguments, needs_attitude=url is None)
+    source = open_source(arguments.data, arguments.format, beside, delay_s=arguments.camera_delay)
     if url is None:
         return source
     if not isinstance(source, CameraSource):

@@ -32,7 +32,7 @@ class RoundState:
         number: of the round, from 0; that of the rounds where all are done.
         step: steps taken in it.
         tensors: net and guide at least; see `HorizonModule.snapshot` for what comes within a round.
-        values: random numbers, pool and accumulator.
+        values: random numbers, pool and skipped frames.
     """
 
     number: int
@@ -134,8 +134,8 @@ class TrainingKeeper:
         values: dict[str, Any] = dict(found.values)
         try:
             place = values["place"]
-            for name, wanted in self._identity.items():
-                if place[name] != wanted:
+            for name, own in self._identity.items():
+                if place[name] != own:
                     problem = f"holds the checkpoint of a training with other {name}"
                     raise InputError(self._folder, problem, ANEW)
             return RoundState(int(place["round"]), int(place["step"]), found.tensors, values)
