@@ -15,7 +15,7 @@ ABLATIONS: dict[str, tuple[str, ...]] = {
     "hard labels": ("target.kind=hard", "train.rounds=[450]"),
     "guided targets": ("target.kind=guided", "train.rounds=[450]"),
     "geodesic, image edges only (one round)": ("train.rounds=[450]",),
-    "without the way from the sure floor": ("target.kind=one_way_geodesic",),
+    "without the path from the sure floor": ("target.kind=one_way_geodesic",),
     "no dropout in training": ("model.dropout=0.0",),
     "half as wide": ("model.channels=16",),
 }

@@ -34,7 +34,7 @@ from torch import Tensor, nn
 from horizon_dl.config import Config
 from horizon_dl.data.view import View, make_view
 from horizon_dl.export.encode import Encode
-from horizon_dl.export.graph import WholeWay
+from horizon_dl.export.graph import Pipeline
 from horizon_dl.export.onnx_file import graph_of
 from horizon_dl.export.parity import feed_of
 from horizon_dl.geometry.camera import Camera
@@ -117,7 +117,7 @@ def whole_way_job(
     learner: HorizonFCN | HorizonForest, camera: Camera, feed: Feed, *, sampled: bool = True
 ) -> Job:
     """Camera image to obstacle map, as it is deployed."""
-    module = WholeWay(learner, camera, camera.width * camera.height, THRESHOLD, sampled=sampled)
+    module = Pipeline(learner, camera, camera.width * camera.height, THRESHOLD, sampled=sampled)
     session = new_session(graph_of(module).SerializeToString(), 1)
     return lambda: session.run(None, feed)
 

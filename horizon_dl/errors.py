@@ -3,7 +3,7 @@
 from pathlib import Path
 
 LONGEST_PART = 1200
-"""Characters of a file name, a problem or a way out in a message; a path of the system's longest is cut."""
+"""Characters of a file name, a problem or a hint in a message; a path of the system's longest is cut."""
 
 
 class HorizonError(Exception):
@@ -11,7 +11,7 @@ class HorizonError(Exception):
 
 
 class InputError(HorizonError):
-    """Input that the user has to fix: one line with the file, the problem and the way out (exit code 2).
+    """Input that the user has to fix: one line with the file, the problem and a hint (exit code 2).
 
     Example:
         >>> str(InputError("camera.yaml", "has no field 'fx'", "add the focal length in pixels"))

@@ -27,7 +27,7 @@ from horizon_dl.cli import main
 from horizon_dl.data.view import make_view
 from horizon_dl.export.card import INPUTS, OUTPUTS
 from horizon_dl.export.export import export_run, parity_frames, trained_camera
-from horizon_dl.export.graph import WholeWay, bilinear_weights, summaries
+from horizon_dl.export.graph import Pipeline, bilinear_weights, summaries
 from horizon_dl.export.int8 import verdict
 from horizon_dl.export.onnx_file import RANDOM_OPERATORS, graph_of
 from horizon_dl.export.parity import LEVELS, TOLERANCE, sample_frames
@@ -86,7 +86,7 @@ def test_a_graph_with_a_dropout_operator_is_refused():
         return HorizonFCN.sample_logits(self, F.dropout(features, 0.3, training=True))
 
     net.sample_logits = MethodType(naive, net)
-    module = WholeWay(net.eval(), Camera("pinhole", 64, 48, 50.0, 50.0, 31.5, 23.5), 5000, 0.5)
+    module = Pipeline(net.eval(), Camera("pinhole", 64, 48, 50.0, 50.0, 31.5, 23.5), 5000, 0.5)
     with pytest.raises(RuntimeError, match="may not be random"):
         graph_of(module)
 
@@ -194,7 +194,7 @@ def test_the_card_is_in_the_file_and_complete():
 def test_the_same_run_gives_the_same_bytes():
     assert small_export().content() == small_export().content()
     again = graph_of(
-        WholeWay(small_run().net, trained_camera(small_run(), "run"), 5000, small_run().threshold)
+        Pipeline(small_run().net, trained_camera(small_run(), "run"), 5000, small_run().threshold)
     )
     assert again.SerializeToString(deterministic=True) == small_export().graph.SerializeToString(
         deterministic=True

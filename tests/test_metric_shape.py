@@ -18,7 +18,7 @@ from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.metrics.running import RunningSides
 from horizon_dl.metrics.scored_pixels import Confusion, ScoredPixels, scored_pixels
-from horizon_dl.training.checkpoint import read_checkpoint, write_checkpoint
+from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
 SIZE = 24
@@ -123,9 +123,9 @@ def test_an_empty_one_has_a_state_and_adds_nothing(name: str) -> None:
 @pytest.mark.parametrize("name", METRICS)
 def test_a_state_survives_a_checkpoint(name: str, tmp_path: Any) -> None:
     metric: Metric = counted(name, 0, 6)
-    write_checkpoint(tmp_path / "checkpoint", metric_snapshot(metric))
+    write_checkpoint(tmp_path / "checkpoint", Snapshot.join({"one": metric_snapshot(metric)}))
     restored: Metric = METRICS[name][0]()
-    restore_metric(restored, read_checkpoint(tmp_path / "checkpoint"))
+    restore_metric(restored, read_checkpoint(tmp_path / "checkpoint").part("one"))
     same(restored.compute(), metric.compute())
 
 

@@ -1,4 +1,4 @@
-"""Every broken set gives one clear line that names the file, the problem and the way out."""
+"""Every broken set gives one clear line that names the file, the problem and a hint."""
 
 import contextlib
 import random

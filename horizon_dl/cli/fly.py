@@ -184,10 +184,10 @@ def _source(arguments: argparse.Namespace) -> "FrameSource":
 
     from horizon_dl.sources.open_source import open_source
 
-    wanted = given(arguments, needs_attitude=False)
+    beside = given(arguments, needs_attitude=False)
     if arguments.attitude in (AUTOPILOT, RECORDED):
-        wanted = replace(wanted, attitude=None)
-    return open_source(arguments.source, arguments.format, wanted, delay_s=arguments.camera_delay)
+        beside = replace(beside, attitude=None)
+    return open_source(arguments.source, arguments.format, beside, delay_s=arguments.camera_delay)
 
 
 def _has_attitude(source: "FrameSource", arguments: argparse.Namespace) -> bool:

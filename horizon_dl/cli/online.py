@@ -28,6 +28,7 @@ from horizon_dl.cli.options import (
     resolve_config,
     signer,
 )
+from horizon_dl.cli.stopping import stopping
 from horizon_dl.cli.viewers import add_viewers
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         online.keeper.say(f"going on at frame {online.position} of {source.name}")
     open_views(arguments, online)
     more: dict[str, Any] = {}
-    with _stopping(online):
+    with stopping(online.stop):
         if arguments.real_time or source.live:
             more = {"real_time": run_in_real_time(online, arguments.speed or 1.0)}
         else:
@@ -129,8 +130,8 @@ def _source(arguments: argparse.Namespace) -> "FrameSource":
         options = "--camera-delay, --system or --signing-key"
         raise InputError(options, "has no meaning without an autopilot", "give --attitude mavlink:URL")
     check_autopilot(arguments)
-    wanted = given(arguments, needs_attitude=url is None)
-    source = open_source(arguments.data, arguments.format, wanted, delay_s=arguments.camera_delay)
+    beside = given(arguments, needs_attitude=url is None)
+    source = open_source(arguments.data, arguments.format, beside, delay_s=arguments.camera_delay)
     if url is None:
         return source
     if not isinstance(source, CameraSource):
@@ -150,28 +151,6 @@ def _autopilot(arguments: argparse.Namespace) -> str | None:
         arguments.mavlink, arguments.attitude = arguments.attitude.removeprefix(MAVLINK), None
     url: str | None = arguments.mavlink
     return url
-
-
-def _stopping(online: "OnlineRun") -> Any:
-    """Ctrl-C and SIGTERM end the run in order; a second Ctrl-C at once."""
-    import signal
-    from contextlib import contextmanager
-
-    @contextmanager
-    def stopping() -> Any:
-        def stop(number: int, _: Any) -> None:
-            if online.stopped and number == signal.SIGINT:
-                raise KeyboardInterrupt
-            online.stop()
-
-        before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
-
-    return stopping()
 
 
 def _say(arguments: argparse.Namespace, online: "OnlineRun", more: dict[str, Any]) -> None:

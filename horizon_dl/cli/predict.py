@@ -46,8 +46,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from horizon_dl.reporting.run_page import FILM
     from horizon_dl.sources.open_source import open_source
 
-    wanted = given(arguments, needs_attitude=False)
-    source = open_source(arguments.source, arguments.format, wanted)
+    beside = given(arguments, needs_attitude=False)
+    source = open_source(arguments.source, arguments.format, beside)
     predictor = open_predictor(arguments.model)
     predictor.check(source)
     if arguments.video and not can_film():

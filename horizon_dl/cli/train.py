@@ -10,19 +10,15 @@ it, to the same weights.
 """
 
 import argparse
-import signal
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config, say_skipped
+from horizon_dl.cli.stopping import stopping
 
 if TYPE_CHECKING:
     from horizon_dl.data.source import Recording
-    from horizon_dl.training.resumable import TrainingKeeper
     from horizon_dl.training.run_folder import Run
 
 MOST_SHOWN = 120
@@ -63,7 +59,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     )
     replace = {"overwrite": arguments.overwrite, "adding": arguments.resume}
     with output_folder(arguments.out, KIND, **replace) as folder:
-        with _stopping(keeper):
+        with stopping(keeper.stop):
             trained = train_run(
                 recording, config, log_dir=folder, progress=True, keeper=keeper, after_round=log_round
             )
@@ -106,23 +102,3 @@ def _show(folder: Path, trained: "Run", recording: "Recording") -> None:
     title = f"Trained on {recording.name}"
     with closing(film_and_page(folder, part, title, lambda _: lead, lambda: facts)) as sink:
         log_predictions(RunPredictor(trained), part.frames(), sink)
-
-
-@contextmanager
-def _stopping(keeper: "TrainingKeeper") -> Iterator[None]:
-    """Ctrl-C and SIGTERM end the training in order; a second Ctrl-C at once."""
-
-    def stop(number: int, _: object) -> None:
-        if keeper.stopped and number == signal.SIGINT:
-            raise KeyboardInterrupt
-        keeper.stopped = True
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -76,15 +76,15 @@ class FilmLoader:
 
     def _found(self, index: int) -> Any:
         """The decoded frame, or None."""
-        wanted = self.stamps[index]
+        target = self.stamps[index]
         if self._frames is not None and self._next <= index < self._next + FORWARD:
             return self._forward_to(index)
         for before_s in BACKWARD_S:
-            self._frames, self._ahead = _decoded(self.path, wanted, before_s), None
+            self._frames, self._ahead = _decoded(self.path, target, before_s), None
             first = next(self._frames, None)
             if first is None:
                 continue
-            if first.pts <= wanted or before_s == BACKWARD_S[-1]:
+            if first.pts <= target or before_s == BACKWARD_S[-1]:
                 self._ahead = first
                 return self._forward_to(index)
         self._frames = None
@@ -92,16 +92,16 @@ class FilmLoader:
 
     def _forward_to(self, index: int) -> Any:
         """Decodes up to the frame; one that comes in place of it is kept for its own turn."""
-        wanted = self.stamps[index]
+        target = self.stamps[index]
         self._next = index + 1
         frame = self._ahead
-        while frame is None or frame.pts < wanted:
+        while frame is None or frame.pts < target:
             frame = next(self._frames, None) if self._frames is not None else None
             if frame is None:
                 self._ahead = None
                 return None
-        self._ahead = frame if frame.pts > wanted else None
-        return frame if frame.pts == wanted and not frame.is_corrupt else None
+        self._ahead = frame if frame.pts > target else None
+        return frame if frame.pts == target and not frame.is_corrupt else None
 
 
 def _decoded(path: Path, stamp: int, before_s: float) -> Iterator[Any]:

@@ -11,7 +11,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.export.card import make_card
-from horizon_dl.export.graph import WholeWay
+from horizon_dl.export.graph import Pipeline
 from horizon_dl.export.onnx_file import file_bytes, graph_of
 from horizon_dl.export.parity import Learner, parity, sample_frames
 from horizon_dl.geometry.camera import Camera
@@ -61,7 +61,7 @@ class Exported:
 
 
 def export_run(run: Run, camera: Camera, frames: Sequence[Frame] = ()) -> Exported:
-    """The whole way of a run as an ONNX graph for one camera, compared with the run itself.
+    """The pipeline of a run as an ONNX graph for one camera, compared with the run itself.
 
     Args:
         run: trained.
@@ -77,9 +77,9 @@ def export_run(run: Run, camera: Camera, frames: Sequence[Frame] = ()) -> Export
 def exported(
     learner: Learner, max_pixels: int, threshold: float, card: dict[str, Any], frames: Sequence[Frame] = ()
 ) -> Exported:
-    """The whole way of any learner for its card's camera, compared with the learner; see `export_run`."""
+    """The pipeline of any learner for its card's camera, compared with the learner; see `export_run`."""
     camera = camera_from_card(card)
-    found = Exported(graph_of(WholeWay(learner, camera, max_pixels, threshold)), card)
+    found = Exported(graph_of(Pipeline(learner, camera, max_pixels, threshold)), card)
     figures = parity(learner, max_pixels, threshold, found.content(), frames or sample_frames(camera))
     if not figures["good"]:
         raise RuntimeError(f"the exported file differs from what was exported: {figures['levels']}")

@@ -1,4 +1,4 @@
-"""The whole way from camera image to obstacle map as one module, ready to be exported."""
+"""The pipeline from camera image to obstacle map as one module, ready to be exported."""
 
 from typing import NamedTuple
 
@@ -31,7 +31,7 @@ class Maps(NamedTuple):
     obstacles: Tensor
 
 
-class WholeWay(nn.Module):
+class Pipeline(nn.Module):
     """Camera image and attitude in; probability, uncertainties and obstacle map out.
 
     Dropout is inside as the net's own fixed masks times its last weights: no operator is random, and none

@@ -11,7 +11,7 @@ import torch
 
 from horizon_dl import __version__
 from horizon_dl.export.card import INPUTS, KIND, OUTPUTS
-from horizon_dl.export.graph import WholeWay
+from horizon_dl.export.graph import Pipeline
 from horizon_dl.quiet import quiet_logger
 from horizon_dl.runtime.checksum import BLANK, BLANK_SIGNED, checksummed
 from horizon_dl.runtime.model import CARD_KEY
@@ -29,7 +29,7 @@ RANDOM_OPERATORS = {
 }
 
 
-def graph_of(module: WholeWay) -> onnx.ModelProto:
+def graph_of(module: Pipeline) -> onnx.ModelProto:
     """The module as an ONNX graph with named and described inputs and outputs.
 
     The exporter that traces is used: it needs no further package and writes no source locations.

@@ -65,8 +65,8 @@ def parity(
     """
     say = predictor(learner)
     views = [make_view(frame, max_pixels) for frame in frames]
-    wanted = [vars(say(view)) | {"elevation": view.elevation} for view in views]
-    levels = {name: _level(content, frames, wanted, threshold, level) for name, level in LEVELS.items()}
+    expected = [vars(say(view)) | {"elevation": view.elevation} for view in views]
+    levels = {name: _level(content, frames, expected, threshold, level) for name, level in LEVELS.items()}
     return {
         "frames": len(frames),
         "tolerance": TOLERANCE,
@@ -107,25 +107,25 @@ def feed_of(frame: Frame) -> Maps:
 
 
 def _level(
-    content: bytes, frames: Sequence[Frame], wanted: Sequence[Maps], threshold: float, level: Any
+    content: bytes, frames: Sequence[Frame], expected: Sequence[Maps], threshold: float, level: Any
 ) -> Differences:
     session = new_session(content, 1, graph_optimization_level=level)
     found = Differences(dict.fromkeys(OUTPUTS[:-1], 0.0))
-    for frame, reference in zip(frames, wanted, strict=True):
+    for frame, reference in zip(frames, expected, strict=True):
         outputs = session.run(OUTPUTS, feed_of(frame))
         _compare(found, dict(zip(OUTPUTS, outputs, strict=True)), reference, threshold)
     return found
 
 
-def _compare(found: Differences, maps: Maps, wanted: Maps, threshold: float) -> None:
+def _compare(found: Differences, maps: Maps, expected: Maps, threshold: float) -> None:
     for name in found.largest:
-        one, other = maps[name].astype(np.float64), wanted[name].astype(np.float64)
+        one, other = maps[name].astype(np.float64), expected[name].astype(np.float64)
         if name == "surprisal":  # as a probability: the logarithm of nearly nothing is all rounding
             one, other = np.exp2(-one), np.exp2(-other)
         if not np.array_equal(np.isnan(one), np.isnan(other)):  # no assert: Python may be told to skip those
             raise RuntimeError(f"the exported file has NaN in other places: {name}")
         found.largest[name] = max(found.largest[name], float(np.nanmax(np.abs(one - other))))
-    differs, ties = obstacle_differences(maps["obstacles"], wanted["entropy"], threshold)
+    differs, ties = obstacle_differences(maps["obstacles"], expected["entropy"], threshold)
     found.obstacle_pixels += int(differs.sum())
     found.beyond_ties += int((differs & ~ties).sum())
 

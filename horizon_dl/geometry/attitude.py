@@ -44,11 +44,7 @@ def rotation_from_quaternion(q: ArrayLike) -> NDArray[np.float64]:
     Raises:
         ValueError: the quaternion is zero or not finite.
     """
-    q = np.asarray(q, dtype=np.float64)
-    norm = float(np.linalg.norm(q))
-    if not (math.isfinite(norm) and norm > 1e-9):
-        raise ValueError(f"not a rotation: quaternion {q.tolist()}")
-    w, x, y, z = (q / norm).tolist()
+    w, x, y, z = _of_length_one(q, "not a rotation: quaternion").tolist()
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -163,10 +159,14 @@ def unit(vector: ArrayLike) -> NDArray[np.float64]:
     Raises:
         ValueError: the vector is zero or not finite.
     """
-    v = np.asarray(vector, dtype=np.float64)
+    return _of_length_one(vector, "has no direction:")
+
+
+def _of_length_one(values: ArrayLike, problem: str) -> NDArray[np.float64]:
+    v = np.asarray(values, dtype=np.float64)
     norm = float(np.linalg.norm(v))
     if not (math.isfinite(norm) and norm > 1e-9):
-        raise ValueError(f"has no direction: {v.tolist()}")
+        raise ValueError(f"{problem} {v.tolist()}")
     return v / norm
 
 

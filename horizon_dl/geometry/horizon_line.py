@@ -12,9 +12,9 @@ Likelihood = Callable[[Floats], Floats]
 
 COARSE, FINE = np.radians(2.0), np.radians(0.5)
 LEAST_SHARE = 0.03
-"""A line with less than this part of the picture on one side parts nothing."""
+"""A line with less than this part of the picture on one side separates nothing."""
 CLEAR = 3.0
-"""By so much the colours' log determinant has to fall when the line parts them: sky and sea, no furniture."""
+"""By so much the colours' log determinant must fall for a line between them: sky and sea, no furniture."""
 SAMPLES = 60.0
 """How many independent samples a picture is worth: neighbouring pixels say the same."""
 

@@ -1,4 +1,4 @@
-"""The ray of every pixel, computed once for a camera, and the way back from points to pixels.
+"""The ray of every pixel, computed once for a camera, and projection of points to pixels.
 
 Every ray is projected again; pixels that do not return to their place are not valid.
 """

@@ -1,4 +1,4 @@
-"""Findings about data: a level, a plain sentence, and the way out."""
+"""Findings about data: a level, a plain sentence, and a hint."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

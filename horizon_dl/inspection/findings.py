@@ -328,16 +328,6 @@ RULES: tuple[Rule, ...] = (
     _truth,
     _notes,
 )
-QUICK_RULES: tuple[Rule, ...] = (
-    _counts,
-    _missing_attitudes,
-    _unreadable,
-    _horizon,
-    _balance,
-    _attitude,
-    _travel,
-    _times,
-    _exposure,
-    _rays,
-)
-"""Those that need no pairs of images."""
+NOT_QUICK = (convention_finding, mount_finding, _motion, _height, _truth, _notes)
+"""Those that need pairs of images, or tell nothing of whether data can be learned from."""
+QUICK_RULES = tuple(rule for rule in RULES if rule not in NOT_QUICK)

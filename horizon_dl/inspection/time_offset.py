@@ -52,7 +52,7 @@ def predicted_shifts(entries: Sequence[FrameHeader], camera: Camera) -> Floats:
 
     Args:
         entries: of the recording, in order.
-        camera: at the size in which the shifts are wanted.
+        camera: at the size in which shifts are measured.
     """
     from horizon_dl.geometry.rays import camera_rays
 

@@ -12,7 +12,7 @@ from horizon_dl.data.source import Recording
 from horizon_dl.geometry.horizon import elevation, horizon_label
 
 Floats = NDArray[np.float64]
-COARSE_PIXELS = 2400  # one number a frame is wanted, from every frame of long recordings
+COARSE_PIXELS = 2400  # one number a frame is needed, from every frame of long recordings
 GAP_MEDIANS = 5.0
 
 

@@ -32,7 +32,7 @@ def headers_by_log(
         given: offset and drift between the clocks.
 
     Raises:
-        InputError: an attitude is needed, and frames and log never meet; both ranges and a way out are named.
+        InputError: an attitude is needed, and frames and log never meet; both ranges and a hint are named.
     """
     pairs = zip(names, times_s, strict=True)
     if log is None or calibration is None:

@@ -53,7 +53,7 @@ def fused_score(view: View, p_above: Map, paths: GeodesicParams = GEODESIC) -> M
     """What the learner says, what the frame itself shows, and what is known of the place, added as log odds.
 
     The log odds of the other side, `logit p`; those of `relative_geodesic_position`, where the pixel lies on
-    the way from what the learner is surest of in this frame to the horizon, along paths that avoid edges;
+    the path from what the learner is surest of in this frame to the horizon, along paths that avoid edges;
     minus the angle from the horizon over its mean, a geometric prior: near the horizon obstacles are likelier
     than floor. The weights are fixed for all data; picked on arena, corridor, hallway, KITTI and embedded.
 

@@ -78,7 +78,7 @@ class RocAccumulator:
         """
         if score.ndim != 1 or not score.shape == positive.shape == depression_rad.shape:
             shapes = f"{score.shape}, {positive.shape}, {depression_rad.shape}"
-            raise ValueError(f"want three arrays of one length, not {shapes}")
+            raise ValueError(f"needs three arrays of one length, not {shapes}")
         if not ((score >= 0.0) & (score <= 1.0)).all():
             raise ValueError("scores must lie in [0, 1] and not be NaN")
         if not ((depression_rad >= 0.0) & (depression_rad <= np.pi / 2.0 + 1e-6)).all():

@@ -107,8 +107,8 @@ class RunDirectory:
         if not path.exists():
             return None
         found = read_checkpoint(path)
-        for name, wanted in self._identity.items():
-            if found.values["place"][name] != wanted:
+        for name, own in self._identity.items():
+            if found.values["place"][name] != own:
                 held = f" ({found.values['place'][name]})" if name == "data" else ""
                 problem = f"holds a checkpoint of a run with another {name}{held}"
                 raise InputError(self.folder, problem, "give another --out, or start anew with --restart")

@@ -1,4 +1,4 @@
-"""The free heading nearest to a wanted one."""
+"""The free heading nearest to a desired one."""
 
 import math
 from dataclasses import dataclass

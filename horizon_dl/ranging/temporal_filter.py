@@ -19,7 +19,7 @@ class SectorFilter:
     """Median over the last frames of what each direction in the world showed.
 
     What appears or vanishes shows after half of the frames: with 3 frames, one frame late (`delay_s`). Turns
-    are undone by the yaw; the way travelled meanwhile is not, so distances are up to speed x age too long.
+    are undone by the yaw; the distance travelled meanwhile is not: they are up to speed x age too long.
 
     Args:
         frames: an odd number; 1 filters nothing.

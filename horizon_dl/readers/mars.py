@@ -75,7 +75,7 @@ def exposure_starts(shown_s: Floats, stamps_s: Floats) -> Floats:
 
 
 def _to_nearest(stamps_s: Floats, wanted_s: Floats) -> Floats:
-    """From each wanted time to the nearest stamp, s."""
+    """From each time asked for to the nearest stamp, s."""
     after = np.clip(np.searchsorted(stamps_s, wanted_s), 0, len(stamps_s) - 1)
     later, earlier = stamps_s[after] - wanted_s, stamps_s[np.maximum(after - 1, 0)] - wanted_s
     return np.asarray(np.where(np.abs(later) <= np.abs(earlier), later, earlier))

@@ -21,7 +21,7 @@ OVERLAY_WIDTH = 640
 
 
 def check_lines(check: DataCheck) -> list[str]:
-    """The check for the console: verdict, then the findings, their ways out indented underneath."""
+    """The check for the console: verdict, then the findings, their hints indented underneath."""
     lines = [f"{check.name} ({check.format})", *textwrap.wrap(check.verdict, LINE_WIDTH), ""]
     for finding in check.findings:
         lines += _wrapped(f"{finding.level:<9}", finding.text)

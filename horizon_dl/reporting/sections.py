@@ -23,7 +23,7 @@ def media_type(content: bytes) -> str:
         return "image/svg+xml"
     if content[:4] == b"RIFF" and content[8:12] == b"WEBP":
         return "image/webp"
-    raise ValueError("a figure wants the bytes of a PNG, JPEG or SVG file")
+    raise ValueError("a figure needs the bytes of a PNG, JPEG or SVG file")
 
 
 def data_address(content: bytes) -> str:
@@ -41,7 +41,7 @@ class Heading:
 
 @dataclass(frozen=True)
 class Text:
-    """Plain text; blank lines part paragraphs. `lead` sets it larger."""
+    """Plain text; blank lines separate paragraphs. `lead` sets it larger."""
 
     text: str
     lead: bool = False

@@ -136,9 +136,9 @@ class ObstacleModel:
         return Outputs(**{**maps, "obstacles": maps["obstacles"].astype(np.bool_)})
 
     def _checked(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        wanted = (self.camera.height, self.camera.width, 3)
-        if image.shape != wanted or image.dtype != np.uint8:
-            raise ValueError(f"the image is {image.dtype} {image.shape}; the model takes uint8 {wanted}")
+        expected = (self.camera.height, self.camera.width, 3)
+        if image.shape != expected or image.dtype != np.uint8:
+            raise ValueError(f"the image is {image.dtype} {image.shape}; the model takes uint8 {expected}")
         return np.ascontiguousarray(image)[None]
 
 

@@ -28,7 +28,7 @@ def replay(
     Those that cannot be read are left out.
 
     Args:
-        recording: with attitudes, and heights if distances are wanted.
+        recording: with attitudes, and heights if distances are needed.
         clock: monotonic seconds.
         speed: 2 plays twice as fast.
         loop: begin again at the end; the time of one frame passes between.

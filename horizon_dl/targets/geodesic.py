@@ -23,7 +23,7 @@ def geodesic_target(
 ) -> Map:
     """`0.5 m` below the horizon and `1 - 0.5 m` above, m how much of both sides a pixel has, in [0, 1].
 
-    At first `m = exp(-d)`, d the cost of the way to the horizon: a wall that one can climb to the horizon
+    At first `m = exp(-d)`, d the cost of the path to the horizon: a wall that one can climb to the horizon
     without crossing an edge has a target near 0.5, and a floor behind an edge, or far away, is near its plain
     label. With what a net has learned, m is the mean of that and of `relative_geodesic_position`: an obstacle
     is not only near the horizon, but also far from the sure floor. Without a horizon in the image every label
@@ -66,10 +66,10 @@ def _target(mixed: Map, elevation: Map) -> Map:
 def relative_geodesic_position(
     cost: Map, elevation: Map, p_above: Map, distance: Floats, params: GeodesicParams = GEODESIC
 ) -> Map:
-    """Where a pixel lies on the way from what a net is surest of, 0, to the horizon, 1: `s / (s + d)`.
+    """Where a pixel lies on the path from what a net is surest of, 0, to the horizon, 1: `s / (s + d)`.
 
-    s is the cost of the way to the sure pixels of the own side, d that of the way to the horizon. So a low
-    obstacle, which an edge parts from the horizon, but another one from the floor, too, lies in the middle.
+    s is the cost of the path to the sure pixels of the own side, d that of the path to the horizon. So a low
+    obstacle, which edges separate both from the horizon and from the floor, lies in the middle.
 
     Args:
         cost: (h, w) of a step, see `traversal_cost`.
@@ -144,7 +144,7 @@ def path_cost(cost: Map, seeds: NDArray[np.bool_]) -> Floats:
     """Least cost of a path from each pixel to a seed, (h, w); infinite where no path leads to one."""
     if not seeds.any():
         return np.full(cost.shape, np.inf)
-    # A way into a patch of seeds ends at its rim; the path finder is slow at taking up seeds.
+    # A path into a patch of seeds ends at its rim; the path finder is slow at taking up seeds.
     rim = seeds & ~ndimage.binary_erosion(seeds, np.ones((3, 3)), border_value=1)
     distance: Floats = MCP_Geometric(cost).find_costs(np.argwhere(rim if rim.any() else seeds))[0]
     distance[seeds] = 0.0

@@ -20,7 +20,7 @@ LEAST_TRIED = 10
 
 
 class FrameStore:
-    """Frames of a recording by index, with the accumulator of those that had to be skipped.
+    """Frames of a recording by index, with a summary of those that had to be skipped.
 
     Attributes:
         skipped: reason by frame name.
@@ -60,14 +60,14 @@ class FrameStore:
         if self._tried and len(self.skipped) >= len(self._tried):
             self._complain()
 
-    def accumulator(self) -> dict[str, Any]:
+    def state(self) -> dict[str, Any]:
         """What was tried and skipped, for JSON."""
         return {"skipped": dict(self.skipped), "tried": sorted(self._tried)}
 
-    def restore(self, accumulator: dict[str, Any]) -> None:
-        """Go on from a accumulator."""
-        self.skipped.update(accumulator["skipped"])
-        self._tried.update(accumulator["tried"])
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a `state`."""
+        self.skipped.update(state["skipped"])
+        self._tried.update(state["tried"])
 
     def views(self, indices: Iterable[int]) -> Iterator[View]:
         """The same, without the full-size frames."""

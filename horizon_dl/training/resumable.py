@@ -32,7 +32,7 @@ class RoundState:
         number: of the round, from 0; that of the rounds where all are done.
         step: steps taken in it.
         tensors: net and guide at least; see `HorizonModule.snapshot` for what comes within a round.
-        values: random numbers, pool and accumulator.
+        values: random numbers, pool and skipped frames.
     """
 
     number: int
@@ -54,7 +54,7 @@ class TrainingKeeper:
 
     Attributes:
         found: what to go on from, or None.
-        stopped: set from a signal or another thread: end after the step at work.
+        stopped: end after the step at work.
     """
 
     def __init__(
@@ -84,6 +84,10 @@ class TrainingKeeper:
         self.found = self._read() if resume else None
         self._start_s = clock() - (self.found.values["train_s"] if self.found else 0.0)
 
+    def stop(self) -> None:
+        """End after the step at work; from any thread or a signal."""
+        self.stopped = True
+
     @property
     def train_s(self) -> float:
         """Time spent so far, with that before the last stop."""
@@ -98,7 +102,7 @@ class TrainingKeeper:
 
         Raises:
             InputError: the folder cannot be written, or is not this training's.
-            TrainingStopped: `stopped` is set.
+            TrainingStopped: `stop` was called.
         """
         place = {**self._identity, "round": state.number, "step": state.step}
         values = {"place": place, "train_s": self.train_s, **state.values}
@@ -130,8 +134,8 @@ class TrainingKeeper:
         values: dict[str, Any] = dict(found.values)
         try:
             place = values["place"]
-            for name, wanted in self._identity.items():
-                if place[name] != wanted:
+            for name, own in self._identity.items():
+                if place[name] != own:
                     problem = f"holds the checkpoint of a training with other {name}"
                     raise InputError(self._folder, problem, ANEW)
             return RoundState(int(place["round"]), int(place["step"]), found.tensors, values)

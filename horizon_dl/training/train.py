@@ -136,7 +136,7 @@ def _train_round(
         tensors, values = module.snapshot()
         if guide is not None:
             tensors |= {f"guide.{name}": tensor for name, tensor in guide.state_dict().items()}
-        values |= {**stream.state(module.taken - first), "accumulator": store.accumulator()}
+        values |= {**stream.state(module.taken - first), "frames": store.state()}
         keeper.save(RoundState(number, module.taken, tensors, values))
         module.trainer.should_stop = keeper.stopped
 
@@ -174,16 +174,16 @@ def _frame_maker(
 def _between_rounds(number: int, net: HorizonFCN, rng: np.random.Generator, store: FrameStore) -> RoundState:
     """What a round begins with."""
     tensors = {f"net.{name}": tensor for name, tensor in net.state_dict().items()}
-    values = {"random": rng.bit_generator.state, "accumulator": store.accumulator()}
+    values = {"random": rng.bit_generator.state, "frames": store.state()}
     return RoundState(number, 0, {**tensors, "dropout": torch.get_rng_state()}, values)
 
 
 def _restore(found: RoundState, net: HorizonFCN, rng: np.random.Generator, store: FrameStore) -> None:
-    """Net (within a later round: its guide), random numbers and accumulator of a state."""
+    """Net (within a later round: its guide), random numbers and skipped frames of a state."""
     net.load_state_dict(found.part("guide.") or found.part("net."))
     rng.bit_generator.state = found.values["random"]
     torch.set_rng_state(found.tensors["dropout"])
-    store.restore(found.values["accumulator"])
+    store.restore(found.values["frames"])
     net.eval()
 
 

@@ -70,7 +70,7 @@ def horizon_strokes(elevation: Floats, width_px: float = 1.5) -> list[Stroke]:
 
 
 def draw_horizon(image: Image, elevation: Floats, band_rad: float = 0.0, width_px: float = 1.5) -> Image:
-    """The image with the horizon as a thin yellow line and, if wanted, the edges of the ignored band.
+    """The image with the horizon as a thin yellow line and, if asked for, the edges of the ignored band.
 
     Args:
         image: (h, w, 3) uint8 RGB.

@@ -34,7 +34,7 @@ LOG_STEPS = Steps(1 / 2000, 2.0, useless_beyond=True)
 
 
 class DoubtError(ValueError):
-    """More than one unit is possible: what it looks like, and the way out."""
+    """More than one unit is possible: what it looks like, and a hint."""
 
     def __init__(self, looks: str, hint: str) -> None:
         super().__init__(looks, hint)

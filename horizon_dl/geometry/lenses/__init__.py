@@ -1,1 +1,1 @@
-"""Lens models: what a lens makes of a direction, and the way back; one file a model, found by a registry."""
+"""Lens models: projection of a direction, and its inverse; one file a model, found by a registry."""

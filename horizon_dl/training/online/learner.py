@@ -222,7 +222,7 @@ class OnlineLearner:
         )
 
     def _step(self, batch: Batch) -> float:
-        """One step, or NaN and everything as before: batch statistics change already on the way forward."""
+        """One step, or NaN and everything as before: batch statistics change already in the forward pass."""
         for group in self._optimiser.param_groups:
             group["lr"] = self._learning_rate()
         self._net.train()
