@@ -100,6 +100,20 @@ def test_what_is_no_film_is_said_in_one_line(tmp_path: Path, data: bytes) -> Non
         open_source(tmp_path / "a.mp4", None, PLAIN)
 
 
+def test_a_film_without_its_index_was_cut_off(tmp_path: Path) -> None:
+    path = make_films.film(tmp_path / "a.mp4", range(0, 4000, 40))
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(InputError, match="cut off before its index was written"):
+        open_source(path, None, PLAIN)
+
+
+def test_two_films_in_a_folder_are_named(tmp_path: Path) -> None:
+    for name in ("a.mp4", "b.MOV"):
+        make_films.film(tmp_path / name, range(0, 400, 40))
+    with pytest.raises(InputError, match=r"holds 2 films: a\.mp4, b\.MOV; give one of them"):
+        open_source(tmp_path, None, PLAIN)
+
+
 def test_a_frame_that_is_not_there_is_an_error_of_its_own(tmp_path: Path) -> None:
     path = make_films.film(tmp_path / "a.mp4", range(0, 400, 40))
     stamps, _ = time_stamps(path)

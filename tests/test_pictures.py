@@ -145,6 +145,21 @@ def test_pgm_is_scaled_by_its_own_largest_value(tmp_path: Path, largest: int) ->
     np.testing.assert_allclose(image[..., 0], values / largest * 255, atol=1.1)
 
 
+@pytest.mark.parametrize("before", ["P5\n", "P5\n# made by a logger\n", "P5 "])
+def test_pgm_that_states_all_bits_and_uses_fewer(tmp_path: Path, before: str) -> None:
+    height, width = UPRIGHT.shape[:2]
+    size = f"width: {width}\nheight: {height}"
+    camera = make_sets.CAMERA_YAML.replace("width: 32\nheight: 24", size)
+    folder = make_sets.images_csv(tmp_path, ["a.pgm,0,0,0,0,1"], camera=camera)
+    values = UPRIGHT[..., 0].astype(">u2") << 4
+    (folder / "a.pgm").write_bytes(
+        f"{before}{width} {height}\n65535\n".encode() + values.astype(">u2").tobytes()
+    )
+    recording = open_recording(folder)
+    assert "use 12 of their 16 bits" in recording.notes[0]
+    np.testing.assert_array_equal(recording.read(0).image[..., 0], UPRIGHT[..., 0])
+
+
 def test_deep_pictures_are_turned_too(tmp_path: Path) -> None:
     values = UPRIGHT[..., 0].astype(np.uint16) << 4
     path = tmp_path / "a.tif"

@@ -3,6 +3,7 @@
 The number holds for a whole recording: a scale of its own for every picture would make them flicker.
 """
 
+import re
 import struct
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,15 +22,15 @@ PNG = b"\x89PNG\r\n\x1a\n"
 def used_bits(paths: Sequence[Path]) -> int:
     """Bits that the pictures of a recording use, of 16; 16 where they have 8.
 
-    A PNG says so itself (sBIT), a PGM is scaled by its own largest value; else the brightest pixel of some
-    pictures over the recording tells.
+    A PNG says so itself (sBIT), a PGM is scaled by the largest value that it states, if that is not all 16
+    bits; else the brightest pixel of some pictures over the recording tells.
     """
     brightest = 0
     for index in np.unique(np.linspace(0, len(paths) - 1, LOOKED_AT).astype(int)) if paths else ():
         path = paths[index]
         try:
             image = decode(path)
-            if not is_deep(image) or path.suffix.lower() in (".ppm", ".pgm", ".pnm"):
+            if not is_deep(image) or _scaled_by_its_own(path):
                 return FULL
             declared = _significant_bits(path)
             if declared:
@@ -40,6 +41,17 @@ def used_bits(paths: Sequence[Path]) -> int:
     if brightest == 0:
         return FULL
     return next(depth for depth in DEPTHS if brightest < 2**depth)
+
+
+def _scaled_by_its_own(path: Path) -> bool:
+    """Whether a PGM or PPM states a largest value under that of 16 bits: then Pillow has scaled it."""
+    try:
+        with path.open("rb") as file:
+            head = file.read(2**12)
+    except OSError:
+        return False
+    found = re.match(rb"P[2356](?:\s+|#[^\n]*\n)+\d+(?:\s+|#[^\n]*\n)+\d+(?:\s+|#[^\n]*\n)+(\d{1,5})\s", head)
+    return found is not None and int(found[1]) < 2**FULL - 1
 
 
 def _significant_bits(path: Path) -> int | None:

@@ -5,6 +5,8 @@ from typing import Any
 
 from horizon_dl.errors import InputError
 
+MOST_BOXES = 100
+
 
 def opened(path: Path) -> Any:
     """An open container; close it, or use it in `with`.
@@ -22,8 +24,31 @@ def opened(path: Path) -> Any:
     try:
         container = av.open(str(path))
     except (av.error.FFmpegError, OSError, ValueError):
+        if _has_no_index(path):
+            hint = "mend it with the camera that took it, or with a tool as untrunc"
+            raise InputError(
+                path, "is no film yet: it was cut off before its index was written", hint
+            ) from None
         raise InputError(path, "is no film that can be read", "convert it to MP4 with H.264") from None
     if not container.streams.video:
         container.close()
         raise InputError(path, "holds no film", "give a file with a video track")
     return container
+
+
+def _has_no_index(path: Path) -> bool:
+    """Whether a file begins as an MP4 or QuickTime film, and its box `moov` is not there."""
+    try:
+        with path.open("rb") as file:
+            kinds: list[bytes] = []
+            end = path.stat().st_size
+            while len(kinds) < MOST_BOXES and len(head := file.read(8)) == 8:
+                size, kind = int.from_bytes(head[:4], "big"), head[4:]
+                size = int.from_bytes(file.read(8), "big") - 8 if size == 1 else size
+                kinds.append(kind)
+                if not 8 <= size <= end:
+                    break
+                file.seek(size - 8, 1)
+    except OSError:
+        return False
+    return kinds[:1] == [b"ftyp"] and b"mdat" in kinds and b"moov" not in kinds

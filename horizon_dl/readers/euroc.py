@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.convention import Convention, Reading
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
@@ -30,11 +31,14 @@ from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import MAX_GAP_S, bracket, unit
 from horizon_dl.readers.beside import files_beside
 from horizon_dl.readers.euroc_camera import read_euroc_camera
-from horizon_dl.readers.euroc_poses import NANOSECOND, find_poses, read_ups
+from horizon_dl.readers.euroc_poses import Attitudes, find_poses, read_attitudes, seconds_of
 
 Floats = NDArray[np.float64]
 
 NAME = "euroc"
+
+BODY = Convention(up="z")
+"""The numbers' order, and the world; where the body's axes point is in the calibration."""
 
 NEEDS = "mav0 with cam0, and imu0 or a ground truth"
 
@@ -55,18 +59,18 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         raise InputError(folder, "holds no EuRoC sequence", f"needed: {NEEDS}")
     root, cam = place
     images = list_images(cam)
-    image_times = np.array([stamp * NANOSECOND for stamp, _ in images])
-    source, up_body, note = up_in_body(root, image_times)
-    known = [up for up in up_body if up is not None]
+    image_times = seconds_of(np.array([stamp for stamp, _ in images], np.float64))
+    source, told, note = attitudes_of(root, image_times)
+    known = [up for up in told.ups if up is not None]
     camera = read_euroc_camera(root, cam, np.array(known).reshape(-1, 3), given)
     paths = [path for _, path in images]
     names = [relative_name(path, root) for path in paths]
     labels = root if (root / "labels").is_dir() else root.parent
     truths = files_beside(labels, "labels", names)
     frames = []
-    for index, up in enumerate(up_body):
+    for index, up in enumerate(told.ups):
         up_cam = None if up is None else unit(camera.cam_from_body @ up)
-        header = FrameHeader(names[index], float(image_times[index]), up_cam)
+        header = FrameHeader(names[index], float(image_times[index]), up_cam, as_read=told.as_read[index])
         frames.append((header, FrameFiles(paths[index], truths[index])))
     home = root.resolve()
     return image_recording(
@@ -77,26 +81,30 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         where=source,
         attitude_from=source.parent.name,
         notes=tuple(one for one in (note, camera.note) if one),
+        reading=Reading(BODY, tuple((camera.cam_from_body @ told.imu_from_body).ravel().tolist()))
+        if any(one is not None for one in told.as_read)
+        else None,
     )
 
 
-def up_in_body(root: Path, image_times_s: Floats) -> tuple[Path, list[Floats | None], str]:
-    """The file that gave it, the world's up in the body at each time (None outside of the data), and a note.
+def attitudes_of(root: Path, image_times_s: Floats) -> tuple[Path, Attitudes, str]:
+    """The file that gave them, the attitudes at each time, and a note; of an IMU only the ups are known.
 
     Raises:
         InputError: neither ground truth nor IMU, or their times never meet the images'.
     """
     poses, imu = find_poses(root), root / "imu0" / "data.csv"
     if poses is not None:
-        return poses, read_ups(poses, image_times_s), ""
+        return poses, read_attitudes(poses, image_times_s), ""
     if not imu.is_file():
         raise InputError(root, "has neither state_groundtruth_estimate0, mocap0 nor imu0", "copy one of them")
     samples = read_numbers(imu, 7)
-    times, rates = by_time(samples[:, 0] * NANOSECOND, samples[:, 1:7], MOST_INERTIAL)
+    times, rates = by_time(seconds_of(samples[:, 0]), samples[:, 1:7], MOST_INERTIAL)
     check_overlap(imu, image_times_s, times)
     up_samples = estimate_up(times, rates[:, :3], rates[:, 3:])
     ups = [_up_at(times, up_samples, t) for t in image_times_s.tolist()]
-    return imu, ups, "no ground truth: the attitude is estimated from the IMU"
+    told = Attitudes(ups, [None] * len(ups), np.eye(3))
+    return imu, told, "no ground truth: the attitude is estimated from the IMU"
 
 
 def list_images(cam: Path) -> list[tuple[int, Path]]:

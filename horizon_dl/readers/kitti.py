@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.calibration.picture_size import picture_size
+from horizon_dl.data.convention import Convention, Reading
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
@@ -19,7 +20,7 @@ from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import rotation_from_quaternion, unit, yaw_of
 from horizon_dl.readers.beside import files_beside
 from horizon_dl.readers.kitti_calibration import CALIBRATION, read_kitti_camera
-from horizon_dl.readers.kitti_times import attitudes_at_images
+from horizon_dl.readers.kitti_times import attitudes_at_images, oxts_angles
 
 Floats = NDArray[np.float64]
 
@@ -77,7 +78,10 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
     for index, (image, attitude) in enumerate(zip(images, attitudes, strict=True)):
         up_cam = None if attitude is None else _up(one.cam_from_imu, attitude)
         yaw = None if attitude is None else yaw_of(attitude)
-        header = FrameHeader(names[index], times[index], up_cam, yaw, CAMERA_HEIGHT_M, floor_up_cam)
+        as_read = None if attitude is None else oxts_angles(attitude)
+        header = FrameHeader(
+            names[index], times[index], up_cam, yaw, CAMERA_HEIGHT_M, floor_up_cam, as_read=as_read
+        )
         frames.append((header, FrameFiles(image, truths[index], ranges[index])))
     others = [f"image_{other}" for other in CAMERAS if other != number and _images(drive, other)]
     note = f"camera image_{number}; {' and '.join(others)} can be given by folder" if others else ""
@@ -90,6 +94,7 @@ def read(folder: Path, _: Given = NOTHING_GIVEN) -> Recording:
         attitude_from="oxts/data",
         range_unit=RANGE_UNIT,
         notes=(note,) if note else (),
+        reading=Reading(Convention("flu", "z"), tuple((one.cam_from_imu @ FRD_FROM_FLU).ravel().tolist())),
     )
 
 

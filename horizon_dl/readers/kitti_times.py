@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 from horizon_dl.data.regular_file import read_regular
 from horizon_dl.data.tables.parsing import decimals, read_lines, whole_number
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import MAX_GAP_S, interpolate, quaternion_from_rpy
+from horizon_dl.geometry.attitude import (
+    MAX_GAP_S,
+    interpolate,
+    quaternion_from_rpy,
+    rotation_from_quaternion,
+    rpy_from_rotation,
+)
 
 Floats = NDArray[np.float64]
 
@@ -119,3 +125,9 @@ def _attitude(path: Path) -> Floats | None:
     except (OSError, ValueError, InputError):
         return None
     return quaternion_from_rpy(roll, -pitch, -yaw) if np.isfinite([roll, pitch, yaw]).all() else None
+
+
+def oxts_angles(attitude: Floats) -> tuple[float, float, float]:
+    """Roll, pitch, yaw (rad) as the oxts have them, of an attitude as `attitudes_at_images` gives it."""
+    roll, pitch, yaw = rpy_from_rotation(rotation_from_quaternion(attitude))
+    return roll, -pitch, -yaw

@@ -133,6 +133,11 @@ def _found(path: Path, readers: dict[str, Reader], broken: dict[str, str]) -> tu
             raise InputError(path, problem, "give the folder of one of them")
     if name is not None:
         return name, path
+    films = film.films_in(path) if path.is_dir() else []
+    if len(films) > 1:
+        names = ", ".join(one.name for one in films[:5])
+        problem = f"holds {len(films)} films: {names}{', ...' * (len(films) > 5)}"
+        raise InputError(path, problem, "give one of them")
     needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in readers.items())
     unusable = "".join(f"; {name} is installed, but {why}" for name, why in broken.items())
     empty = path.is_dir() and not any(path.iterdir())

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.attitude_log import AttitudeLog
+from horizon_dl.data.convention import Convention, Reading, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.source import Recording
@@ -58,10 +59,12 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     headers = [FrameHeader(f"{n:06d}", float(times[k])) for n, k in enumerate(order)]
     mount = None if calibration is None else calibration.mount_rpy_rad
     moved: AttitudeLog | None = None
+    reading: Reading | None = None
     if calibration is not None and given.attitude is not None:
         names = [one.name for one in headers]
         log = read_attitude(given.attitude)
         headers, moved, said = headers_by_log(path, names, times[order].tolist(), calibration, log, given)
+        reading = reading_with(Convention(), calibration.mount_rpy_rad)
         notes = (*notes, *said)
     elif calibration is not None:
         found = _attitude(bag, frame, calibration, times, headless, given)
@@ -72,7 +75,7 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
             headers = [
                 found.header(f"{n:06d}", float(times[k]), given.time_offset_s) for n, k in enumerate(order)
             ]
-            mount, notes = found.mount_rpy_rad, (*notes, *found.notes)
+            mount, notes, reading = found.mount_rpy_rad, (*notes, *found.notes), found.reading
     if given.needs_attitude and all(header.up_cam is None for header in headers):
         raise InputError(
             path,
@@ -81,8 +84,9 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
         )
     load = BagLoader(path, images.name, tuple(places[k] for k in order), bits_of(first), turns)
     camera = None if calibration is None else calibration.camera
+    said_first = (f"pictures of {images.name}", *notes)
     return Recording(
-        path.stem, NAME, camera, headers, load, mount, (f"pictures of {images.name}", *notes), attitudes=moved
+        path.stem, NAME, camera, headers, load, mount, said_first, reading=reading, attitudes=moved
     )
 
 

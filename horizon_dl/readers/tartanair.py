@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.calibration.calibration import Calibration, read_calibration
 from horizon_dl.calibration.picture_size import size_of
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
@@ -64,6 +65,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
             times[index],
             up_in_camera(quaternion, calibration.mount_rpy_rad) if known else None,
             yaw_of(quaternion) if known else None,
+            as_read=tuple(poses[index, 3:7].tolist()) if known else None,
         )
         depth = folder / f"depth_{side}" / f"{image.stem}_depth.npy"
         frames.append((header, FrameFiles(image, truths[index], depth if depth.is_file() else None)))
@@ -77,6 +79,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         mount_rpy_rad=calibration.mount_rpy_rad,
         range_unit=RangeUnit(along="axis"),
         notes=note,
+        reading=reading_with(Convention(order="xyzw"), calibration.mount_rpy_rad),
     )
 
 

@@ -17,19 +17,29 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
 from horizon_dl.data.source import Recording
+from horizon_dl.data.tables.columns import TIME_UNITS
 from horizon_dl.data.tables.parsing import (
     by_time,
     check_overlap,
     inside_folder,
+    quaternion_places,
     read_lines,
     read_numbers,
     usable_quaternions,
 )
+from horizon_dl.data.tables.units import epoch_unit
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import MAX_GAP_S, bracket, interpolate, rotation_from_quaternion, unit
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.readers.beside import files_beside
-from horizon_dl.readers.tum_lists import find_depths, find_images, find_trajectory, has_lists
+from horizon_dl.readers.tum_lists import (
+    Listed,
+    find_depths,
+    find_images,
+    find_trajectory,
+    found_images,
+    has_lists,
+)
 from horizon_dl.readers.world_axes import Z_UP, World, find_world
 
 Floats = NDArray[np.float64]
@@ -68,10 +78,13 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     """
     truth = find_trajectory(folder) or folder / "groundtruth.txt"
     samples = read_numbers(truth, 8)
+    w, x, y, z = quaternion_places(truth, 4, "xyzw")
+    samples = samples[:, [0, 1, 2, 3, x, y, z, w]]
     images = find_images(folder)
     if not images:
         raise InputError(folder / "rgb.txt", "is missing or empty", f"needed: {NEEDS}")
-    times, poses = by_time(samples[:, 0], samples[:, 1:])
+    images = _in_seconds(found_images(folder, images))
+    times, poses = by_time(_seconds_of(samples[:, 0]), samples[:, 1:])
     usable = usable_quaternions(poses[:, 3:7])
     times, poses = times[usable], poses[usable]
     check_overlap(truth, np.array([time_s for time_s, _ in images]), times)
@@ -80,7 +93,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     calibration = find_camera(folder, truth, given, [folder / name for _, name in images])
     names = [name for _, name in images]
     truths = files_beside(folder, "labels", names)
-    depths = find_depths(folder)
+    depths = _in_seconds(find_depths(folder))
     frames = []
     for index, (time_s, name) in enumerate(images):
         seconds = time_s / FRAME_RATE_HZ if counted else time_s
@@ -126,6 +139,17 @@ def pose_at(
     height = float(np.interp(time_s, times_s, poses[:, :3] @ world.up))
     world_from_cam = rotation_from_quaternion(attitude)
     return unit(world.optical(world_from_cam.T @ world.up)), world.yaw(world_from_cam[:, 2]), height
+
+
+def _in_seconds(listed: Listed) -> Listed:
+    """A list whose times may be Unix time in another unit."""
+    seconds = _seconds_of(np.array([time for time, _ in listed]))
+    return [(time_s, name) for time_s, (_, name) in zip(seconds.tolist(), listed, strict=True)]
+
+
+def _seconds_of(stamps: Floats) -> Floats:
+    # Divided by a whole number: the product with 1e-9 is not the same number for two lists of one clock.
+    return stamps / round(1 / TIME_UNITS[epoch_unit(stamps) or "s"])
 
 
 def _convention(world: World) -> Convention:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, read_lines
 from horizon_dl.errors import InputError
@@ -16,6 +16,7 @@ TRAJECTORIES = (
     *("groundtruth.txt", "groundtruth.csv", "ground_truth.txt", "gt.txt", "trajectory.txt", "traj.txt"),
     *("poses.txt", "pose.txt", "gt_poses.txt"),
 )
+PICTURES = ("rgb", "image", "images", "color", "gray")
 Listed = list[tuple[float, str]]
 
 
@@ -32,6 +33,17 @@ def find_images(folder: Path) -> Listed:
         InputError: a line of the list is not `time name`.
     """
     return _listed(_list_of(folder, IMAGE_LISTS), depth=False)
+
+
+def found_images(folder: Path, listed: Listed) -> Listed:
+    """The list with paths in the folder, where it has bare names of images in `rgb`, or another machine's."""
+    for place in ("", *PICTURES):
+        ends = [(time_s, f"{place}/{PurePosixPath(name).name}".lstrip("/")) for time_s, name in listed]
+        for names in (listed, ends) if not place else (ends,):
+            first = Path(names[0][1])
+            if not first.is_absolute() and ".." not in first.parts and (folder / first).is_file():
+                return names
+    return listed
 
 
 def find_depths(folder: Path) -> Listed:
@@ -62,7 +74,7 @@ def read_list(path: Path) -> Listed:
     Raises:
         InputError: missing, or a line is not `time name`.
     """
-    pairs = []
+    pairs: Listed = []
     for line in _lines(path):
         stamp, *rest = re.split(r"[\s,;]+", line, maxsplit=1)
         name = rest[0].strip(" ,;") if rest else ""
@@ -72,6 +84,8 @@ def read_list(path: Path) -> Listed:
             time_s = float(stamp)
         except ValueError:
             time_s = math.nan
+        if not pairs and re.match("[A-Za-z]+$", stamp):
+            continue  # a header without its sign
         if not name or not math.isfinite(time_s):
             raise InputError(path, f"holds the line {line[:40]!r}", "lines are 'time filename'")
         pairs.append((time_s, name))

@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 LONGEST_NAME = 255
 """Bytes; longer ones are an error of the system when they are looked for."""
 
+LOOKED_AT = 10
+"""Lines at the start of a file of numbers that may say what its columns are."""
 MOST_DIGITS = 19
 MOST_HEIGHT_M = 1e5
 """Nothing flies higher: a larger number is none."""
@@ -70,10 +72,10 @@ def read_numbers(path: Path, columns: int) -> Floats:
     samples: list[list[float]] = []
     lines = read_lines(path)
     for place, line in enumerate(lines, 1):
-        if line.lstrip().startswith("#"):
+        if line.lstrip().startswith("#") or (not samples and _names_columns(line)):
             continue
         try:
-            row = [float(cell) for cell in re.split(r"[,;\s]+", line.strip().strip(",;"))[:columns]]
+            row = [float(cell) for cell in _cells(line)[:columns]]
         except ValueError:
             row = []
         if len(row) < columns and place == len(lines):
@@ -84,6 +86,47 @@ def read_numbers(path: Path, columns: int) -> Floats:
     if not samples:
         raise InputError(path, "holds no samples", "record it again or copy it whole")
     return np.array(samples, dtype=np.float64)
+
+
+def quaternion_places(path: Path, first: int, default: str) -> tuple[int, ...]:
+    """Columns of w, x, y, z in a file of numbers, of which the header tells the order, if it has one.
+
+    Args:
+        path: of the file.
+        first: the first of the quaternion's four columns.
+        default: their order without a header, as `xyzw`.
+    """
+    order = default
+    for line in read_lines(path)[:LOOKED_AT]:
+        if not (line.lstrip().startswith("#") or _names_columns(line)):
+            break
+        cells = re.split(r"[,;\s]+", re.sub(r"\[[^]]*\]", "", line).strip(" #\t,;"))
+        letters = "".join(cell.rstrip("_")[-1:].lower() for cell in cells[first : first + 4])
+        order = letters if sorted(letters) == ["w", "x", "y", "z"] else order
+    return tuple(first + order.index(one) for one in "wxyz")
+
+
+def _names_columns(line: str) -> bool:
+    """Whether no cell of a line holds a digit alone or a number."""
+    return not any(re.match(r"[+-]?[.\d]", cell) for cell in _cells(line)) and bool(
+        re.search("[A-Za-z]", line)
+    )
+
+
+def _cells(line: str) -> list[str]:
+    """The cells of a line of numbers; commas are decimal where other signs already separate the numbers."""
+    bare = line.strip().strip(",;")
+    cells = re.split(r"[;\s]+", bare)
+    if (
+        len(cells) > 1
+        and any("," in cell for cell in cells)
+        and all(_DECIMAL.fullmatch(cell) for cell in cells)
+    ):
+        return [cell.replace(",", ".") for cell in cells]
+    return re.split(r"[,;\s]+", bare)
+
+
+_DECIMAL = re.compile(r"[+-]?\d*(,\d+)?(e[+-]?\d+)?", re.IGNORECASE)
 
 
 def by_time(times_s: Floats, values: Floats, most: float = math.inf) -> tuple[Floats, Floats]:

@@ -59,7 +59,7 @@ def clock_unit(values: Floats, named: str | None, steps: Steps) -> str:
     known = values[np.isfinite(values)]
     forward = np.diff(known)[np.diff(known) > 0]
     if not len(forward):
-        return named or _epoch_unit(known) or "s"
+        return named or epoch_unit(known) or "s"
     step = float(np.median(forward))
     whole = bool((known == np.round(known)).all())
     if named and (SHORTEST_NAMED_S <= step * TIME_UNITS[named] <= steps.longest_s or not whole):
@@ -110,7 +110,8 @@ def _often_over(values: Floats, limit: float) -> bool:
     return bool((known > limit).sum() > 0.01 * len(known))
 
 
-def _epoch_unit(known: Floats) -> str | None:
+def epoch_unit(known: Floats) -> str | None:
+    """The unit in which numbers (N,) are Unix time; None where they are in none."""
     return next((unit for unit in TIME_UNITS if len(known) and _is_epoch(known, unit)), None)
 
 

@@ -1,13 +1,14 @@
-"""The camera of an image topic: its CameraInfo, read by the door for camera files."""
+"""The camera of an image topic: its CameraInfo, read as a camera_info file is."""
 
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
-from horizon_dl.calibration.calibration import Calibration, read_calibration
+from horizon_dl.calibration import ros
+from horizon_dl.calibration.calibration import Calibration
+from horizon_dl.calibration.candidate import Wanted
+from horizon_dl.calibration.fields import Fields
 from horizon_dl.errors import InputError
 from horizon_dl.logs.bags.messages import decoder, frame_name
 from horizon_dl.logs.bags.storage import Bag, Topic
@@ -66,7 +67,6 @@ def camera_of(bag: Bag, topic: Topic, image: str, size: tuple[int, int]) -> Cali
         projection = _field(info, "p").reshape(3, 4)
         if projection[0, 0] > 0:
             matrix, coefficients = projection[:, :3].ravel(), np.zeros(0)
-    model = str(info.distortion_model) if np.any(coefficients) else "plumb_bob"
     matrix, width, height = _of_region(info, matrix)
     where = f"{bag.path}: {topic.name}"
     if (width, height) != size:
@@ -76,26 +76,11 @@ def camera_of(bag: Bag, topic: Topic, image: str, size: tuple[int, int]) -> Cali
             "give --camera FILE of these pictures",
         )
     content = {
-        "image_width": width,
-        "image_height": height,
-        "camera_name": "camera",
-        "camera_matrix": {"rows": 3, "cols": 3, "data": matrix.tolist()},
-        "distortion_model": model,
-        "distortion_coefficients": {
-            "rows": 1,
-            "cols": max(len(coefficients), 5),
-            "data": [*coefficients.tolist(), *[0.0] * (5 - len(coefficients))]
-            if model == "plumb_bob"
-            else coefficients.tolist(),
-        },
+        **{"width": width, "height": height, "K": matrix.tolist()},
+        **{"distortion_model": str(info.distortion_model), "D": coefficients.tolist()},
     }
-    with tempfile.TemporaryDirectory(prefix="horizon-dl-") as folder:
-        file = Path(folder) / "camera_info.yaml"
-        file.write_text(yaml.safe_dump(content), encoding="utf-8")
-        try:
-            return read_calibration(file)
-        except InputError as error:
-            raise InputError(where, *error.args[1:]) from None
+    (only,) = ros.candidates(Fields(Path(where), content), Wanted(size))
+    return Calibration(only.build().camera)
 
 
 def _first(bag: Bag, topic: Topic) -> Any:

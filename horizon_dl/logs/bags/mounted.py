@@ -7,13 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.calibration.calibration import Calibration
+from horizon_dl.data.convention import Convention, Reading
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.source import MountRpy
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy, rpy_from_rotation
+from horizon_dl.geometry.axes import frd_from_axes
 from horizon_dl.logs.bags.choose import Series, body_frame
 from horizon_dl.logs.bags.linked import Linked
 from horizon_dl.logs.bags.transforms import TransformTree
+from horizon_dl.logs.bags.up_series import Turned
 
 Floats = NDArray[np.float64]
 
@@ -57,7 +60,25 @@ class Mounted:
         if turned is None:
             return FrameHeader(name, time_s)
         up_cam, yaw_rad = self.series.at(time_s - offset_s, turned)
-        return FrameHeader(name, time_s, up_cam, yaw_rad)
+        numbers = self.series.as_read(time_s - offset_s) if isinstance(self.series, Turned) else None
+        return FrameHeader(name, time_s, up_cam, yaw_rad, as_read=numbers)
+
+    @property
+    def reading(self) -> Reading | None:
+        """How the quaternions were read; None where there are none, or the camera turns in the body."""
+        if not isinstance(self.series, Turned):
+            return None
+        way: Floats | None = self.sensor_from_camera
+        if self.frame is not None:
+            constant = self.tree.constant(self.frame, self.camera_frame)
+            turned = self.tree.rotation(self.frame, self.camera_frame, 0.0) if constant else None
+            way = None if turned is None else turned @ self.sensor_from_camera
+            if way is not None and self.series.frd:
+                way = FRD_FROM_FLU @ way
+        if way is None:
+            return None
+        body, up = "frd" if self.series.frd else "flu", "z" if self.series.up_world[2] > 0 else "-z"
+        return Reading(Convention(body, up), tuple((way.T @ frd_from_axes(body).T).ravel().tolist()))
 
 
 def mounted(

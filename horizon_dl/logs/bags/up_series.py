@@ -69,6 +69,11 @@ class Turned:
         world_from_camera = rotation_from_quaternion(turned) @ sensor_from_camera
         return up_and_heading(world_from_camera, np.array(self.up_world))
 
+    def as_read(self, time_s: float) -> tuple[float, ...] | None:
+        """The quaternion w x y z at a time."""
+        turned = interpolate(self.times_s, self.quaternions, time_s, MAX_GAP_S)
+        return None if turned is None else tuple(turned.tolist())
+
 
 @dataclass(frozen=True)
 class Felt:
