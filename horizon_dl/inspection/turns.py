@@ -63,7 +63,7 @@ def measure_turns(recording: Recording, *, progress: bool = False) -> Turns:
     rows: list[tuple[int, int, int, Floats]] = []
     looked_at = 0
     for number, window in enumerate(
-        show_progress(windows, "following the pictures", unit="stretch", disable=not progress)
+        show_progress(windows, "following the pictures", unit="piece", disable=not progress)
     ):
         steps = _steps(recording, window)
         looked_at += len(steps)
