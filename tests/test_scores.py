@@ -2,8 +2,19 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.view import View
-from horizon_dl.methods.scores import fused_score
-from horizon_dl.targets.geodesic import horizon_distance, relative_geodesic_position, traversal_cost
+from horizon_dl.methods.baselines import geodesic_score
+from horizon_dl.methods.learners import ForestMethod, QuickForest
+from horizon_dl.methods.scores import fused_score, score_maps
+from horizon_dl.methods.training_free import training_free_methods
+from horizon_dl.targets import geodesic
+from horizon_dl.targets.geodesic import (
+    horizon_distance,
+    path_cost,
+    relative_geodesic_position,
+    traversal_cost,
+)
+from horizon_dl.targets.geodesic_params import GeodesicParams
+from horizon_dl.uncertainty.measures import measures
 
 HEIGHT, WIDTH = 40, 56
 
@@ -45,3 +56,46 @@ def test_one_side_only_or_none_has_a_score(elevation):
     fused = fused_score(View(view.image, np.full_like(view.elevation, elevation)), p_above)
     assert np.isfinite(fused).all()
     assert ((fused >= 0) & (fused <= 1)).all()
+
+
+class OneTree:
+    """Stands for a forest."""
+
+    def __init__(self, p_above: np.ndarray) -> None:
+        self._p_above = p_above
+
+    def p_above_samples(self, _: View) -> np.ndarray:
+        return self._p_above[None]
+
+
+def test_no_path_is_searched_twice_and_none_for_a_threshold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Net, forest and the geodesic baseline of one frame ask for five paths, every one another."""
+    view, p_above = scene()
+    searches: list[bytes] = []
+
+    def counted(cost: np.ndarray, seeds: np.ndarray) -> np.ndarray:
+        searches.append(cost.tobytes() + seeds.tobytes())
+        return path_cost(cost, seeds)
+
+    monkeypatch.setattr(geodesic, "path_cost", counted)
+    forest = ForestMethod(OneTree(p_above))
+    quick = QuickForest(forest).score_maps(None, view)
+    assert not searches
+    full = forest.score_maps(None, view)
+    assert (quick["entropy"] == full["entropy"]).all()
+    assert len(searches) == 2
+    score_maps(view, measures(1 - p_above[None], view.elevation > 0))
+    training_free_methods()["geodesic"].score_maps(None, view)
+    assert len(searches) == len(set(searches)) == 5
+
+
+def test_the_configs_path_costs_reach_every_score() -> None:
+    view, p_above = scene()
+    costs = GeodesicParams(length_cost=5.0, edge_limit=0.5, sure_share=0.3)
+    forest = OneTree(p_above)
+    methods = [ForestMethod(forest, one) for one in (GeodesicParams(), costs)]
+    usual, other = (method.score_maps(None, view) for method in methods)
+    assert np.abs(usual["fused"] - other["fused"]).max() > 0.01
+    assert (usual["entropy"] == other["entropy"]).all()
+    plain, costly = (geodesic_score(view, one) for one in (GeodesicParams(), costs))
+    assert np.abs(plain - costly).max() > 0.01
