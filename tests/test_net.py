@@ -65,6 +65,13 @@ def test_the_single_pass_is_the_mean_of_the_logits_of_all_depths(net, image):
     assert np.allclose(EncodedImage(net, image).single_pass(), mean[0].numpy(), atol=1e-5)
 
 
+def test_the_least_depth_is_the_first_head_alone_and_all_depths_their_mean(net, image):
+    with torch.no_grad():
+        p_above = enlarge(net(image_tensor(image)).sigmoid(), image.shape[:2])[0].numpy()
+    assert np.allclose(EncodedImage(net, image).of_least_depth(), p_above[0], atol=1e-5)
+    assert np.allclose(EncodedImage(net, image).of_all_depths(), p_above.mean(axis=0), atol=1e-5)
+
+
 def test_predictions_repeat_and_leave_the_random_state_alone(net, image):
     state = torch.get_rng_state()
     assert np.array_equal(EncodedImage(net, image).samples(), EncodedImage(net, image).samples())

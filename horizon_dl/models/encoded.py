@@ -46,11 +46,20 @@ class EncodedImage:
     @torch.inference_mode()
     def of_all_depths(self, size: tuple[int, ...] | None = None) -> Map:
         """Mean of the probabilities that the heads at all depths give, without dropout, (h, w) in [0, 1]."""
+        mean: Map = self._of_depths(size or self._size).mean(axis=0)
+        return mean
+
+    @torch.inference_mode()
+    def of_least_depth(self) -> Map:
+        """The probabilities that the head with the smallest field of view gives, without dropout, (h, w)."""
+        found: Map = self._of_depths(self._size)[0]
+        return found
+
+    def _of_depths(self, size: tuple[int, ...]) -> Map:
         heads = self._net.heads()
         parts = self._features.chunk(len(heads), dim=1)
         logits = torch.cat([head.classifier(part) for head, part in zip(heads, parts, strict=True)], dim=1)
-        mean: Map = _probabilities(logits, size or self._size).mean(axis=0)
-        return mean
+        return _probabilities(logits, size)
 
     @torch.inference_mode()
     def measures(self, above: NDArray[np.bool_]) -> Measures:

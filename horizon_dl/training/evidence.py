@@ -46,9 +46,9 @@ def training_evidence(
     """
     calibration, assessment = PlaceCalibration(limits, contact or ContactDetectorParams()), SelfAssessment()
     for image, elevation in frames:
-        p_above = EncodedImage(net, image).samples().mean(axis=0)
-        calibration.add(image, elevation, p_above)
-        assessment.update(p_above, elevation)
+        encoded = EncodedImage(net, image)
+        calibration.add(image, elevation, encoded.samples().mean(axis=0))
+        assessment.update(encoded.of_least_depth(), elevation)
     place = calibration.place()
     card = None if place is None else place.to_card()
     return {"evidence": card, "self_assessment": assessment.compute()}
