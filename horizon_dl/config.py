@@ -68,7 +68,7 @@ class ModelConfig(Section):
 class TrainConfig(Section):
     """Training with the Lightning trainer."""
 
-    rounds: tuple[Count, ...] = Field(default=(120, 80, 120), min_length=1, max_length=1000)
+    rounds: tuple[Count, ...] = Field(default=(150, 100, 300), min_length=1, max_length=1000)
     batch: Few = 12
     crop: Annotated[int, Field(ge=32, le=10**5)] = 96
     pastes: Annotated[int, Field(ge=0, le=100)] = 3
