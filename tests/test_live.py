@@ -6,6 +6,7 @@ import threading
 import time
 import urllib.error
 import urllib.request
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -55,6 +56,19 @@ def test_picture_distances_and_figures(page: LivePage) -> None:
     assert "obstacle" in ranges["outcome"]
     code, picture = get(page.url + "picture.jpg?n=1")
     assert (code, picture[:2]) == (200, b"\xff\xd8")
+
+
+def test_why_sectors_are_unknown_is_said_on_the_page(page: LivePage) -> None:
+    frame, prediction = scene(3)
+    ranges = ranges_of(frame, prediction)
+    assert ranges is not None
+    page.log(frame, prediction, replace(ranges, doubts=("unfamiliar floor", "black")))
+    assert json.loads(get(page.url + "state.json")[1])["ranges"]["doubts"] == ["unfamiliar floor", "black"]
+    with browser_page() as tab:
+        tab.goto(page.url)
+        until(tab, "document.getElementById('plot').textContent.includes('unknown: unfamiliar floor, black')")
+        label = tab.get_attribute("#plot", "aria-label")
+        assert label.endswith("Sectors unknown: unfamiliar floor, black.")
 
 
 def test_read_only_and_only_for_this_machine(page: LivePage) -> None:

@@ -190,6 +190,7 @@ def _sectors(ranges: Ranged | None) -> dict[str, Any] | None:
         "outcome": [Outcome(one).name.lower() for one in found.outcome.tolist()],
         "metres": [_finite(one) for one in found.distance_m.tolist()],
         "far_m": ranges.vehicle.far_m,
+        "doubts": list(ranges.doubts),
         "heading_deg": None if ranges.heading is None else round(math.degrees(ranges.heading.bearing_rad), 1),
     }
 
