@@ -18,7 +18,7 @@ from horizon_dl.geometry.axes import ALL_AXES, frd_from_axes
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.inspection.conventions import fit_conventions
 from horizon_dl.inspection.image_rotation import rotation_between
-from horizon_dl.inspection.turns import Turns, measure_turns
+from horizon_dl.inspection.turns import Turns, logged_motion, measure_turns, window_indices
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 
@@ -183,3 +183,25 @@ def test_a_recording_is_read_otherwise(tmp_path: Path, capsys: Any) -> None:
         replace(recording, reading=None).read_as("deg")
     assert main(["check-data", str(tmp_path / "set"), "--convention", "sideways"]) == 2
     assert "--convention sideways" in capsys.readouterr().err
+
+
+def test_the_liveliest_stretches_are_looked_at() -> None:
+    motion = np.zeros(999)
+    motion[[100, 450, 451, 452, 800]] = 1.0
+    windows = window_indices(1000, motion)
+    assert len(windows) == 12
+    assert all(len(one) == 9 for one in windows)
+    assert len({index for one in windows for index in one}) == 12 * 9
+    for moved in (100, 450, 452, 800):
+        assert any(one[0] <= moved < one[-1] + 1 for one in windows)
+    assert window_indices(1000, np.zeros(999)) == window_indices(1000)
+
+
+def test_motion_of_the_log_is_that_of_its_attitudes() -> None:
+    recording = open_recording(embedded_set())
+    motion = logged_motion(recording)
+    assert motion is not None
+    angles = np.array([header.as_read for header in recording.headers])
+    turned = Rotation.from_euler("ZYX", angles[:, ::-1])
+    np.testing.assert_allclose(motion, (turned[:-1].inv() * turned[1:]).magnitude(), atol=1e-6)
+    assert logged_motion(replace(recording, reading=None)) is None

@@ -44,7 +44,11 @@ class Orientation:
     def lines(self) -> list[str]:
         """For the console."""
         if not self.told:
-            return ["The pictures turn too little to tell by which convention the attitude is to be read."]
+            return [
+                "The pictures turn too little to tell by which convention the attitude is to be read: in the "
+                f"liveliest {self.pairs} pairs up moves by {self.motion_deg:.2f} degrees, and is told to "
+                f"{self.miss_deg:.2f}. Some seconds of turns of 5 degrees and more about two axes would tell."
+            ]
         miss = f"misses {self.miss_deg:.2f} degrees"
         if not self.option:
             return [f"The attitude is read as the pictures turn ({miss} of {self.motion_deg:.2f})."]

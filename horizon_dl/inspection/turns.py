@@ -44,8 +44,12 @@ class Turns:
         )
 
 
-def window_indices(length: int) -> list[list[int]]:
-    """Stretches of successive frames, evenly spread; they do not overlap.
+def window_indices(length: int, motion: Floats | None = None) -> list[list[int]]:
+    """Stretches of successive frames that do not overlap: evenly spread, or where there is most motion.
+
+    Args:
+        length: number of frames.
+        motion: (length - 1,) from each frame to the next, in any unit; 0 where it is not known.
 
     Example:
         >>> [len(one) for one in window_indices(20)]
@@ -53,13 +57,33 @@ def window_indices(length: int) -> list[list[int]]:
     """
     if length <= WINDOWS * WINDOW:
         return [list(range(start, min(start + WINDOW, length))) for start in range(0, length, WINDOW)]
-    starts = np.linspace(0, length - WINDOW, WINDOWS).round().astype(int).tolist()
+    if motion is None or not motion.any():
+        starts = np.linspace(0, length - WINDOW, WINDOWS).round().astype(int).tolist()
+    else:
+        places = np.arange(0, length - WINDOW + 1, WINDOW)
+        moved = np.array([motion[place : place + WINDOW - 1].sum() for place in places])
+        starts = sorted(places[np.argsort(-moved, kind="stable")[:WINDOWS]].tolist())
     return [list(range(start, start + WINDOW)) for start in starts]
 
 
+def logged_motion(recording: Recording) -> Floats | None:
+    """Turn (N - 1,) from each frame to the next by the attitude's numbers, 0 where they are not known.
+
+    How far an attitude turns is the same however its axes are read, and nearly so for quaternions in the
+    wrong order. None where no numbers are kept.
+    """
+    width = next((len(one.as_read) for one in recording.headers if one.as_read is not None), 0)
+    if recording.reading is None or not width:
+        return None
+    numbers = np.array([one.as_read or (np.nan,) * width for one in recording.headers], np.float64)
+    rotations = recording.reading.convention.rotations(numbers)
+    traces = np.einsum("nij,nij->n", rotations[:-1], rotations[1:])
+    return np.asarray(np.nan_to_num(np.arccos(np.clip((traces - 1) / 2, -1.0, 1.0))))
+
+
 def measure_turns(recording: Recording, *, progress: bool = False) -> Turns:
-    """Turns between the frames of up to 12 stretches of 9 frames; pairs that cannot be told are left out."""
-    windows = window_indices(recording.length)
+    """Turns between the frames of the liveliest 12 stretches of 9; pairs that cannot be told are left out."""
+    windows = window_indices(recording.length, logged_motion(recording))
     rows: list[tuple[int, int, int, Floats]] = []
     looked_at = 0
     for number, window in enumerate(

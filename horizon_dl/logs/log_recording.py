@@ -46,6 +46,8 @@ def headers_by_log(
     if not inside and given.needs_attitude and not given.find_offset:
         raise InputError(where, f"and its log never meet: {ranges}", suggestion(times_s, log))
     headers = [moved.header(name, time_s, mount) for name, time_s in pairs]
+    if given.find_offset:  # what is told of this clock would not hold for the one that is found
+        return headers, moved, log.notes
     few = (
         ()
         if inside >= OVERLAP_SHARE * len(names)

@@ -17,6 +17,7 @@ TRAJECTORIES = (
     *("poses.txt", "pose.txt", "gt_poses.txt"),
 )
 PICTURES = ("rgb", "image", "images", "color", "gray")
+HEADERS = ("timestamp", "time", "stamp", "t", "id", "index")
 Listed = list[tuple[float, str]]
 
 
@@ -84,7 +85,7 @@ def read_list(path: Path) -> Listed:
             time_s = float(stamp)
         except ValueError:
             time_s = math.nan
-        if not pairs and re.match("[A-Za-z]+$", stamp):
+        if not pairs and stamp.lower() in HEADERS:
             continue  # a header without its sign
         if not name or not math.isfinite(time_s):
             raise InputError(path, f"holds the line {line[:40]!r}", "lines are 'time filename'")

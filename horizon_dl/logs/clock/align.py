@@ -7,6 +7,7 @@ from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.logs.clock.clock_fit import ClockFit
 from horizon_dl.logs.clock.find_clock import find_clock
+from horizon_dl.logs.log_recording import describe_ranges
 
 
 def on_found_clock(recording: Recording) -> Recording:
@@ -29,8 +30,9 @@ def on_found_clock(recording: Recording) -> Recording:
     moved = log.on_clock(fit.offset_s, fit.drift_ppm)
     mount = recording.mount_rpy_rad or (0.0, 0.0, 0.0)
     headers = [_with(header, moved.header(header.name, header.time_s, mount)) for header in recording.headers]
+    ranges = f"Clocks: {describe_ranges([header.time_s for header in headers], moved)}."
     note = f"Clock found from the pictures: {option(fit)} ({describe(fit)})."
-    return replace(recording, headers=headers, attitudes=moved, notes=(*recording.notes, note))
+    return replace(recording, headers=headers, attitudes=moved, notes=(ranges, *recording.notes, note))
 
 
 def _with(header: FrameHeader, known: FrameHeader) -> FrameHeader:

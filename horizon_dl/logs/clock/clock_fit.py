@@ -2,7 +2,7 @@
 
 The turns that the pictures show are correlated with those of the log, over all offsets, in windows of some
 seconds. A line through the windows' best offsets is offset and drift. The doubt is the jackknife's: how far
-the result moves when a part of the pictures is left out.
+the result moves when a part of the pictures is left out; and what is common to all pictures is added.
 """
 
 from dataclasses import dataclass
@@ -19,6 +19,10 @@ LEAST_CORRELATION = 0.4
 LEAST_LEAD = 0.1
 """By which the best correlation must lead those at other offsets."""
 PARTS = 8
+SYSTEMATIC_FRAMES = 0.15
+"""A stamp may be of the start or the end of an exposure, and rows are read out one after the other: what all
+pictures share is within about half a frame, evenly, of which this is the standard deviation. No part of the
+pictures left out shows it."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,8 @@ class ClockFit:
     Attributes:
         offset_s: to be added to the log's times, at the log's start.
         drift_ppm: by how much the frames' clock is faster, millionths; 0 for short films.
-        doubt_s: standard error of the offset in the middle of the film.
+        doubt_s: standard error of the offset in the middle of the film, with what all pictures share; it reaches as
+            far as other offsets that are nearly as good.
         drift_doubt_ppm: of the drift; None for short films.
         correlation: of the turns, in [-1, 1].
         lead: over the best correlation at an offset elsewhere.
@@ -79,16 +84,20 @@ def fit_clock(window: Window, nearest_s: float | None = None) -> ClockFit | None
     middle = float(np.median(window.starts_s))
     long = float(np.ptp(window.starts_s)) > LONG_S
     offset_s, excess = line.on_log_clock(float(window.log_times_s[0]))
+    lead = float(
+        np.mean([one.near(float(line.at(one.time_s)), ON_LINE_S) for one in found])
+        - np.mean([one.elsewhere(float(line.at(one.time_s))) for one in found])
+    )
+    doubt_s = np.hypot(_jackknife([float(part.at(middle)) for part in parts]), SYSTEMATIC_FRAMES * frame_s)
+    if lead < LEAST_LEAD:
+        doubt_s += max(one.rival_s(float(line.at(one.time_s)), LEAST_LEAD) for one in found)
     return ClockFit(
         offset_s=offset_s,
         drift_ppm=excess * 1e6,
-        doubt_s=max(_jackknife([float(part.at(middle)) for part in parts]), frame_s / 50),
+        doubt_s=float(doubt_s),
         drift_doubt_ppm=_jackknife([part.drift for part in parts]) * 1e6 if long else None,
         correlation=window.correlation(line.at(window.starts_s)),
-        lead=float(
-            np.mean([one.near(float(line.at(one.time_s)), ON_LINE_S) for one in found])
-            - np.mean([one.elsewhere(float(line.at(one.time_s))) for one in found])
-        ),
+        lead=lead,
         frame_s=frame_s,
         pairs=int(good.sum()),
     )

@@ -34,6 +34,12 @@ class Peaks:
         other = np.abs(self.offsets_s - offset_s) > APART_S
         return float(self.correlations[other].max()) if other.any() else 0.0
 
+    def rival_s(self, offset_s: float, lead: float) -> float:
+        """How far the furthest other offset is that is as good but for a lead, s; 0 where none is."""
+        apart = np.abs(self.offsets_s - offset_s)
+        rival = (apart > APART_S) & (self.correlations > self.near(offset_s, APART_S) - lead)
+        return float(apart[rival].max()) if rival.any() else 0.0
+
 
 @dataclass(frozen=True)
 class Window:
