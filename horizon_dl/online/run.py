@@ -186,7 +186,8 @@ class OnlineRun:
         line = self._line(seen)
         self.keeper.line(line, seen.index)
         shown = {"accuracy": line["horizon_accuracy"], "loss": line["loss"]}
-        self._bar.set_postfix({k: f"{v:.3f}" for k, v in shown.items() if v is not None}, refresh=False)
+        known = {name: f"{value:.3f}" for name, value in shown.items() if value is not None}
+        self._bar.set_postfix(refresh=False, **known)
         self._bar.update()
         if self._export is not None and self.figures.learned:
             self._export.offer(lambda: self.learner.frozen(self._info()))

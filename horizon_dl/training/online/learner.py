@@ -37,8 +37,7 @@ from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_
 
 Map = NDArray[np.float32]
 
-# The three were picked on arena, corridor, hallway and KITTI with the rest of the recipe: less is to be
-# expected elsewhere.
+# Picked on arena, corridor, hallway and KITTI with the rest of the recipe: expect less elsewhere.
 NEWEST_CROPS = 1
 """Crops of the newest frame in every batch; the others come from the memory."""
 FIRST_GUIDED_FRAME = 10
