@@ -62,13 +62,13 @@ def test_why_sectors_are_unknown_is_said_on_the_page(page: LivePage) -> None:
     frame, prediction = scene(3)
     ranges = ranges_of(frame, prediction)
     assert ranges is not None
+    words = "unknown: unfamiliar floor, black"
     page.log(frame, prediction, replace(ranges, doubts=("unfamiliar floor", "black")))
-    assert json.loads(get(page.url + "state.json")[1])["ranges"]["doubts"] == ["unfamiliar floor", "black"]
+    assert json.loads(get(page.url + "state.json")[1])["ranges"]["unknown"] == words
     with browser_page() as tab:
         tab.goto(page.url)
-        until(tab, "document.getElementById('plot').textContent.includes('unknown: unfamiliar floor, black')")
-        label = tab.get_attribute("#plot", "aria-label")
-        assert label.endswith("Sectors unknown: unfamiliar floor, black.")
+        until(tab, f"document.getElementById('plot').textContent.includes('{words}')")
+        assert tab.get_attribute("#plot", "aria-label").endswith(f"Sectors {words}.")
 
 
 def test_read_only_and_only_for_this_machine(page: LivePage) -> None:
@@ -214,6 +214,7 @@ def test_a_recording_for_rerun(tmp_path: Path) -> None:
         b"maps/surprise",
         b"maps/entropy",
         b"body/distances",
+        b"unknown",
         b"figures/nearest_m",
     ):
         assert path in content

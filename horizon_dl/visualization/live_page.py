@@ -21,6 +21,7 @@ from horizon_dl.ranging.free_distance import Outcome
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.film_picture import FilmPicture
+from horizon_dl.visualization.flown import unknown_words
 
 Status = Callable[[], dict[str, Any]]
 
@@ -190,7 +191,7 @@ def _sectors(ranges: Ranged | None) -> dict[str, Any] | None:
         "outcome": [Outcome(one).name.lower() for one in found.outcome.tolist()],
         "metres": [_finite(one) for one in found.distance_m.tolist()],
         "far_m": ranges.vehicle.far_m,
-        "doubts": list(ranges.doubts),
+        "unknown": unknown_words(ranges),
         "heading_deg": None if ranges.heading is None else round(math.degrees(ranges.heading.bearing_rad), 1),
     }
 

@@ -13,6 +13,7 @@ from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.colours import BELOW_COLOUR, HEADING_COLOUR, OBSTACLE_COLOUR, colour_map
 from horizon_dl.visualization.file_sinks import drawn_ranges
+from horizon_dl.visualization.flown import unknown_words
 
 CONNECT = "connect"
 
@@ -98,6 +99,7 @@ class Rerun:
 
     def _distances(self, ranges: Ranged, height_m: float) -> None:
         """A strip along the floor a bearing, from the body to what is met or is free."""
+        self._log("unknown", self._rerun.TextDocument(unknown_words(ranges)))
         found, far_m = ranges.found, ranges.vehicle.far_m
         known = (found.outcome != Outcome.UNKNOWN) & ~np.isnan(found.distance_m)
         metres = np.minimum(np.nan_to_num(found.distance_m[known], posinf=far_m), far_m)
