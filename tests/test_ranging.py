@@ -260,6 +260,15 @@ def test_the_contact_is_a_rise_over_the_floors_own_level(floor: float, obstacle:
     assert np.median(np.abs(found.distance_m[inside] / 4.0 - 1)) < 0.05
 
 
+def test_a_map_that_cannot_tell_the_sides_is_an_obstacle_whatever_the_usual_floor_was() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
+    for usual in (0.05, 0.3, 0.45):
+        found = free_distances_from_p(np.full((120, 160), 0.5, np.float32), polar, 1.0, floor_p=usual)
+        assert (found.outcome[middle] == Outcome.OBSTACLE).all()
+
+
 def test_an_even_floor_is_free_and_a_view_full_of_wall_is_not() -> None:
     directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
     polar = polar_view(directions, up, bearings=BEARINGS)
@@ -267,7 +276,7 @@ def test_an_even_floor_is_free_and_a_view_full_of_wall_is_not() -> None:
     middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
     floor = free_distances_from_p(noisy_p(~wall, 0.1, 0.4), polar, 1.0, floor_p=0.15)
     assert (floor.outcome[middle] == Outcome.FREE).mean() > 0.9
-    full = free_distances_from_p(noisy_p(wall, 0.1, 0.4), polar, 1.0, floor_p=0.15)
+    full = free_distances_from_p(noisy_p(wall, 0.1, 0.45), polar, 1.0, floor_p=0.15)
     assert (full.outcome[middle] == Outcome.OBSTACLE).all()
     assert not full.contact_seen[middle].any()
 
@@ -309,7 +318,7 @@ def test_connected_only_passes_a_mat_in_p_above() -> None:
 def test_the_rise_test_against_a_plain_loop() -> None:
     # Reference: Page's test written for one column with ordinary numbers.
     rng = np.random.default_rng(3)
-    rules = ContactDetectorParams()
+    rules = ContactDetectorParams(rise=0.7, prior_rad=math.radians(3.0))
     logit = (rng.normal(-2, 0.3, (20, 60)) + 1.2 * (np.arange(60) < 25)).astype(np.float32)
     step = math.radians(0.25)
     contact, _, _ = first_rise(logit, np.ones((20, 60), bool), -2.0, step, rules)

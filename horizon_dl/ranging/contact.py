@@ -22,24 +22,34 @@ LARGEST_LOGIT_STEP = 1.5
 class ContactDetectorParams:
     """When `p_above` counts as risen from the floor's level; logits, so that floors of 0.02 and 0.2 compare.
 
-    `floor_percentile`, `rise` and `prior_rad` were picked among some 300 rules on the distances of embedded,
-    corridor and KITTI, the sets that the distances are reported on: expect less elsewhere; see
-    docs/RESEARCH.md.
+    All but `certain_p` and `distance_sd` were picked together among some 500 rules on the distances of
+    embedded, corridor and KITTI, the sets that the distances are reported on, `distance_sd` by how often the
+    truth lies within two of them there: less is to be expected elsewhere; see docs/RESEARCH.md.
 
     Attributes:
         floor_percentile: of the frame's cells below the horizon: the frame's own floor level.
         floor_margin: that level is at most this much over the usual one of the training pictures.
         rise: a cell this much over its bearing's floor level speaks for an obstacle.
+        certain_p: a cell of this `p_above` speaks for an obstacle whatever the floor's level: its side is
+            anyone's guess.
         alarm_rad: sum of rise over depression at which the obstacle is certain, logit x rad; lower specks
             are no obstacle.
         prior_rad: the frame's floor level counts as much as this much ground of the bearing itself.
+        distance_sd: what the map's own errors add to the standard deviation of a distance, as its share.
     """
 
     floor_percentile: float = setting(9.0, 0.0, 50.0)
-    floor_margin: float = setting(0.3, -5.0, 5.0)
-    rise: float = setting(0.7, 0.01, 5.0)
+    floor_margin: float = setting(0.0, -5.0, 5.0)
+    rise: float = setting(1.1, 0.01, 5.0)
+    certain_p: float = setting(0.35, 0.05, 0.95)
     alarm_rad: float = angle_deg(1.0, 0.01, 45.0)
-    prior_rad: float = angle_deg(3.0, 0.01, 90.0)
+    prior_rad: float = angle_deg(10.0, 0.01, 90.0)
+    distance_sd: float = setting(0.25, 0.0, 2.0)
+
+    def obstacle_level(self, floor: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Logit from which on a cell speaks for an obstacle, of its bearing's floor level."""
+        certain = math.log(self.certain_p / (1.0 - self.certain_p))
+        return np.asarray(np.minimum(floor + self.rise, certain))
 
 
 def first_contact(obstacle: Mask, seen: Mask, window: int, share: float, unseen_rows: int = 0) -> Rows:
@@ -106,7 +116,7 @@ def first_rise(
         use = seen[:, row] & (contact < 0)
         value = logit[:, row]
         floor = np.where(contact < 0, weighted / weight, floor)
-        step = np.clip(value - floor - rules.rise, -LARGEST_LOGIT_STEP, LARGEST_LOGIT_STEP)
+        step = np.clip(value - rules.obstacle_level(floor), -LARGEST_LOGIT_STEP, LARGEST_LOGIT_STEP)
         total = np.where(use, np.maximum(0.0, total + step * row_step_rad), total)
         calm = use & (total == 0)
         start = np.where(calm, -1, np.where(use & (start < 0), row, start))

@@ -160,13 +160,16 @@ def free_distances_from_p(
     _, unseen = _window_and_unseen(polar, rules)
     level = floor_level(logit[:, unseen:], seen[:, unseen:], _usual(floor_p), rules.rise)
     contact, alarm, floor = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
-    cells = seen & (logit > floor[:, None] + rules.rise.rise)
+    cells = seen & (logit > rules.rise.obstacle_level(floor)[:, None])
     if connected_only:
         cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
         logit = np.where(cells, logit, np.minimum(logit, floor[:, None]))
         contact, alarm, _ = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
     # A slow rise leaves the contact in doubt by all its length.
-    return _from_contacts(polar, seen, cells, contact, height_m, rules, (contact - alarm).astype(np.float32))
+    doubt = (contact - alarm).astype(np.float32)
+    found = _from_contacts(polar, seen, cells, contact, height_m, rules, doubt)
+    of_map = np.where(found.outcome == Outcome.OBSTACLE, rules.rise.distance_sd * found.distance_m, 0.0)
+    return replace(found, sd_m=np.hypot(found.sd_m, of_map).astype(np.float32))
 
 
 def p_of_entropy(entropy: float) -> float:
