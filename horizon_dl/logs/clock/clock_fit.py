@@ -32,8 +32,8 @@ class ClockFit:
     Attributes:
         offset_s: to be added to the log's times, at the log's start.
         drift_ppm: by how much the frames' clock is faster, millionths; 0 for short films.
-        doubt_s: standard error of the offset in the middle of the film, with what all pictures share; it
-            reaches as far as other offsets that are nearly as good.
+        doubt_s: standard error of the offset in the middle of the film, with what all pictures share, and
+            as far as other offsets reach that are nearly as good.
         drift_doubt_ppm: of the drift; None for short films.
         correlation: of the turns, in [-1, 1].
         lead: over the best correlation at an offset elsewhere.
