@@ -35,6 +35,7 @@ class EvidenceLimits:
             horizon.
         height_m: least and most height over the floor that a flight by sight can have.
         still_s: a live picture never stays the same for so long: a sensor has noise.
+        attitude_still_s: nor does a live attitude: an IMU has noise, too.
         climb_m_s: faster no height changes.
         turn_rad_s: faster no attitude changes.
     """
@@ -58,6 +59,7 @@ class EvidenceLimits:
     strange_share: float = 0.3
     height_m: tuple[float, float] = (0.03, 120.0)
     still_s: float = 1.0
+    attitude_still_s: float = 2.0
     climb_m_s: float = 20.0
     turn_rad_s: float = 15.0
 

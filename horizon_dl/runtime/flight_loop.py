@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.errors import FrameError
+from horizon_dl.evidence.limits import LIMITS
 from horizon_dl.evidence.plausible import HeightWatch
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation, up_in_camera
@@ -149,8 +150,10 @@ class FlightLoop:
             return
         up_cam, yaw_rad, height_m = pose
         doubts: tuple[Reason, ...] = ()
+        if not self._settings.recorded_attitude and self.autopilot.buffer.still_s > LIMITS.attitude_still_s:
+            doubts = (Reason.ATTITUDE_STILL,)
         if height_m is not None and not self._height.good(frame.time_s, height_m):
-            doubts, height_m = (Reason.HEIGHT,), None
+            doubts, height_m = (*doubts, Reason.HEIGHT), None
         floor = frame.floor_up_cam if self._settings.recorded_attitude else None
         try:
             found = self._perception.look(
