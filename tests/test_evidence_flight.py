@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pymavlink.dialects.v20 import common
 from small_run import model_file
 from test_fly import Line, attitude, codec, decoded, rangefinder
 from toy import toy_frame
@@ -170,10 +171,33 @@ def test_a_height_that_can_be_is_flown() -> None:
     assert fly.summary()["evidence"]["frames"]["believed"] > 10
 
 
+def test_an_attitude_that_never_changes_is_frozen() -> None:
+    mav = codec()
+
+    def same(step: int) -> list[bytes]:
+        message = common.MAVLink_attitude_quaternion_message(int(time.monotonic() * 1e3), 1, 0, 0, 0, 0, 0, 0)
+        return [bytes(message.pack(mav)), rangefinder(mav, HEIGHT_M)]
+
+    fly, line = flown(same, count=65)
+    messages = decoded(line.sent)
+    assert any(set(message.distances) != {UNKNOWN_CM} for message in messages)  # not known to be frozen yet
+    assert all(set(message.distances) == {UNKNOWN_CM} for message in messages[-5:])
+    assert "attitude frozen" in texts(line)
+    assert fly.summary()["evidence"]["frames"]["attitude frozen"] > 3
+
+
+def test_for_how_long_an_attitude_stays() -> None:
+    buffer = AttitudeBuffer()
+    assert buffer.still_s == 0.0
+    for step in range(30):
+        buffer.add(step / 10, (1.0, 1e-7 * min(step, 5), 0.0, 0.0))
+    assert buffer.still_s == pytest.approx(2.4)
+    buffer.add(3.0, (1.0, 2e-7, 0.0, 0.0))
+    assert buffer.still_s == 0.0
+
+
 @pytest.mark.parametrize("height_m", [1000.0, 2147483.0])
 def test_a_height_that_cannot_be_makes_all_unknown(height_m: float) -> None:
-    from pymavlink.dialects.v20 import common
-
     mav = codec()
     high = common.MAVLink_local_position_ned_message(0, 0, 0, -height_m, 0, 0, 0)
     fly, line = flown(lambda _: [attitude(mav, time.monotonic()), bytes(high.pack(mav))])

@@ -119,6 +119,7 @@ def codec(system: int = 1, component: int = 1, key: bytes | None = None) -> Any:
 
 def attitude(mav: Any, time_s: float, q: ArrayLike = LEVEL) -> bytes:
     w, x, y, z = np.asarray(q).tolist()
+    x += 1e-6 * math.sin(100 * time_s)  # an IMU's noise
     return bytes(common.MAVLink_attitude_quaternion_message(int(time_s * 1e3), w, x, y, z, 0, 0, 0).pack(mav))
 
 

@@ -290,7 +290,7 @@ def test_a_signed_flight_over_a_video(tmp_path: Path, monkeypatch: pytest.Monkey
             if address is None:
                 continue
             now_ms = int(time.monotonic() * 1e3)
-            level = common.MAVLink_attitude_quaternion_message(now_ms, 1, 0, 0, 0, 0, 0, 0)
+            level = common.MAVLink_attitude_quaternion_message(now_ms, 1, 1e-7 * (now_ms % 97), 0, 0, 0, 0, 0)
             upside_down = common.MAVLink_attitude_quaternion_message(now_ms + 5, 0, 1, 0, 0, 0, 0, 0)
             height = common.MAVLink_distance_sensor_message(0, 10, 4000, 150, 0, 0, 25, 0)
             for message in (level, height):

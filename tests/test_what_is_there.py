@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import make_sets
+import numpy as np
 import pytest
 from fuzz import sets
 
@@ -15,7 +16,8 @@ from horizon_dl.config import load_config
 from horizon_dl.data.images import load_rgb
 from horizon_dl.data.orientation import orientation_of_file
 from horizon_dl.data.photo_tags import dji_tags, exif_time_s
-from horizon_dl.errors import InputError
+from horizon_dl.data.range_files import load_metres
+from horizon_dl.errors import FrameError, InputError
 from horizon_dl.logs.attitude_logs.registry import read_attitude
 from horizon_dl.methods.open_predictor import open_predictor
 from horizon_dl.readers.registry import open_recording
@@ -60,6 +62,35 @@ def test_a_sets_first_picture_is_a_pipe(tmp_path: Path, make: Callable[[Path], P
     os.mkfifo(picture)
     with contextlib.suppress(InputError):  # where the camera is told elsewhere, what is behind it is read
         assert open_recording(where).length
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,), }",
+        b"{'descr': '<f8', 'fortran_order': False, 'shape': (3, 10000000000), }",
+        b"{'descr': '|O', 'fortran_order': False, 'shape': (3,), }",
+        b"{'descr': '<c16', 'fortran_order': False, 'shape': (3,), }",
+        b"{'descr': '<U9', 'fortran_order': False, 'shape': (3,), }",
+        b"{" * 60,
+        b"",
+    ],
+)
+def test_an_array_that_promises_more_than_it_holds(tmp_path: Path, header: bytes) -> None:
+    padded = header.ljust(117) + b"\n"
+    (tmp_path / "a.npy").write_bytes(
+        b"\x93NUMPY\x01\x00" + len(padded).to_bytes(2, "little") + padded + bytes(48)
+    )
+    with pytest.raises(FrameError, match="array of numbers"):
+        load_metres(tmp_path / "a.npy", 1.0)
+
+
+def test_an_array_is_read_and_a_pipe_is_not(tmp_path: Path) -> None:
+    np.save(tmp_path / "a.npy", np.array([[1.0, np.inf, -1.0]], np.float16))
+    np.testing.assert_array_equal(load_metres(tmp_path / "a.npy", 1.0), [[1.0, np.nan, np.nan]])
+    os.mkfifo(tmp_path / "pipe.npy")
+    with pytest.raises(FrameError):
+        load_metres(tmp_path / "pipe.npy", 1.0)
 
 
 def test_what_is_asked_of_a_picture_is_not_asked_of_a_pipe(tmp_path: Path) -> None:

@@ -38,6 +38,7 @@ class EvidenceLimits:
         least_height_m: height over the floor that a flight by sight has at least.
         most_height_m: and at most.
         still_s: a live picture never stays the same for so long: a sensor has noise.
+        attitude_still_s: nor does a live attitude: an IMU has noise, too.
         climb_m_s: faster no height changes.
         turn_rad_s: faster no attitude changes.
     """
@@ -63,6 +64,7 @@ class EvidenceLimits:
     least_height_m: float = setting(0.03, 0.001, 10.0)
     most_height_m: float = setting(120.0, 0.1, 10000.0)
     still_s: float = setting(1.0, 0.05, 60.0)
+    attitude_still_s: float = setting(2.0, 0.05, 60.0)
     climb_m_s: float = setting(20.0, 0.1, 300.0)
     turn_rad_s: float = setting(15.0, 0.1, 100.0)
 

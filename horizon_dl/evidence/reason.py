@@ -19,6 +19,7 @@ class Reason(StrEnum):
     MIRRORED = "picture turns the wrong way"
     HEIGHT = "height cannot be"
     ATTITUDE = "attitude jumped"
+    ATTITUDE_STILL = "attitude frozen"
     LOST = "part of the picture lost"
     FLOOR = "unfamiliar floor"
     NO_SKY = "horizon out of view"

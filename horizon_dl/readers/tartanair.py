@@ -15,9 +15,10 @@ from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, RangeUnit, image_recording
+from horizon_dl.data.range_files import load_array
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import images_in, read_numbers, relative_name, usable_quaternions
-from horizon_dl.errors import InputError
+from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.attitude import up_in_camera, yaw_of
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.readers.beside import files_beside
@@ -91,8 +92,8 @@ def _side(folder: Path) -> str:
 def _times(folder: Path, count: int) -> tuple[list[float], tuple[str, ...]]:
     """Times (s) from version 2's `imu/cam_time.npy`, else at a fixed rate, and a note then."""
     try:
-        times = np.load(folder / "imu" / "cam_time.npy", allow_pickle=False).astype(np.float64).ravel()
-    except (OSError, ValueError, EOFError):
+        times = load_array(folder / "imu" / "cam_time.npy").ravel()
+    except FrameError:
         times = np.empty(0)
     if len(times) == count and np.isfinite(times).all():
         return times.tolist(), ()

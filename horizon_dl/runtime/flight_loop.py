@@ -150,8 +150,11 @@ class FlightLoop:
             return
         up_cam, yaw_rad, height_m = pose
         doubts: tuple[Reason, ...] = ()
+        longest_s = self._perception.model.rules.evidence.attitude_still_s
+        if not self._settings.recorded_attitude and self.autopilot.buffer.still_s > longest_s:
+            doubts = (Reason.ATTITUDE_STILL,)
         if height_m is not None and not self._height.good(frame.time_s, height_m):
-            doubts, height_m = (Reason.HEIGHT,), None
+            doubts, height_m = (*doubts, Reason.HEIGHT), None
         floor = frame.floor_up_cam if self._settings.recorded_attitude else None
         try:
             found = self._perception.look(

@@ -57,6 +57,7 @@ class AttitudeBuffer:
     def __init__(self) -> None:
         self._attitudes: deque[tuple[float, NDArray[np.float64]]] = deque(maxlen=KEPT)
         self._heights: deque[tuple[float, float]] = deque(maxlen=KEPT)
+        self._changed_s = math.inf
 
     def add(self, time_s: float, quaternion: ArrayLike) -> bool:
         """Keep an attitude; False for what is no rotation, or not newer than the last one."""
@@ -66,6 +67,8 @@ class AttitudeBuffer:
         norm = float(np.linalg.norm(q))
         if not abs(norm - 1) < 0.1 or (self._attitudes and time_s <= self._attitudes[-1][0]):
             return False
+        if not self._attitudes or not np.array_equal(q / norm, self._attitudes[-1][1]):
+            self._changed_s = time_s
         self._attitudes.append((time_s, q / norm))
         return True
 
@@ -82,6 +85,11 @@ class AttitudeBuffer:
     def newest_s(self) -> float:
         """Time of the newest attitude, -inf for none."""
         return self._attitudes[-1][0] if self._attitudes else -math.inf
+
+    @property
+    def still_s(self) -> float:
+        """For how long the attitude has been the same to the last bit, s; an IMU's noise changes each."""
+        return max(0.0, self.newest_s - self._changed_s) if self._attitudes else 0.0
 
     @property
     def rate_hz(self) -> float | None:
