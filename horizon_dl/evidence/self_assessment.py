@@ -4,7 +4,7 @@ Where nearly everything below the horizon is lower than the camera (desks, beds)
 above, and is sure of it as of a floor: the share of pixels below the horizon that it calls "below" nears one,
 and its AUC falls. The head with the smallest field of view is asked: one that sees more tells the foot of a wall
 from its top by its place, and the better it is trained, the surer, everywhere. Over seven sets, one seed each,
-the share's rank correlation with the AUC within depression bands was -.99 (docs/RESEARCH.md).
+the share's rank correlation with the AUC within depression bands was -1.0 (docs/RESEARCH.md).
 """
 
 from typing import Any
