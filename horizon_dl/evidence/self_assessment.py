@@ -2,9 +2,9 @@
 
 Where nearly everything below the horizon is lower than the camera (desks, beds), the net never sees it
 above, and is sure of it as of a floor: the share of pixels below the horizon that it calls "below" nears one,
-and its AUC falls. The head with the smallest field of view is asked: one that sees more tells the foot of a wall
-from its top by its place, and the better it is trained, the surer, everywhere. Over seven sets, one seed each,
-the share's rank correlation with the AUC within depression bands was -1.0 (docs/RESEARCH.md).
+and its AUC falls. The head with the smallest field of view is asked: one that sees more tells the foot of a
+wall from its top by its place, and the better it is trained, the surer, everywhere. Over seven sets, one seed
+each, the share's rank correlation with the AUC within depression bands was -1.0 (docs/RESEARCH.md).
 """
 
 from typing import Any
@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 DOUBTFUL, NOT_TO_BE_TRUSTED = 0.9, 0.97
-"""Picked on seven sets, none kept aside. Share (AUC within): arena .67 (.98), corridor .77 (.94), embedded .77
-(.94), hallway .83 (.90); KITTI .94 (.83), room .96 (.78); icl_office_kt3 .975 (.19). tum_fr1_rpy had 1.0 (.25)
-with shorter training."""
+"""Picked on seven sets, none kept aside. Share (AUC within): arena .67 (.98), corridor .77 (.94), embedded
+.77 (.94), hallway .83 (.90); KITTI .94 (.83), room .96 (.78); icl_office_kt3 .975 (.19). tum_fr1_rpy had 1.0
+(.25) with shorter training."""
 WORDS = {
     "ok": "",
     "doubtful": "much below the horizon is as sure as floor: low obstacles and shade may be missed",
