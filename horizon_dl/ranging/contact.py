@@ -40,7 +40,7 @@ class ContactDetectorParams:
 
     floor_percentile: float = setting(9.0, 0.0, 50.0)
     floor_margin: float = setting(0.0, -5.0, 5.0)
-    rise: float = setting(1.1, 0.01, 5.0)
+    rise: float = setting(0.8, 0.01, 5.0)
     certain_p: float = setting(0.35, 0.05, 0.95)
     alarm_rad: float = angle_deg(1.0, 0.01, 45.0)
     prior_rad: float = angle_deg(10.0, 0.01, 90.0)
