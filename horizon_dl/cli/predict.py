@@ -5,7 +5,8 @@
   horizon-dl predict MODEL.onnx DATA --out DIR    without torch; the images must be the model's camera's
 
 DIR then holds index.html, film.mp4 (H.264; needs the extra `logs`), panels/NAME.jpg and arrays/NAME.npz
-(p_above, entropy, ... at the working size). A camera is predicted until Ctrl-C or --max-frames.
+(p_above, entropy, ... at the working size). Of more than 1000 frames panels and arrays are written of every
+Nth only, the film shows all. A camera is predicted until Ctrl-C or --max-frames.
 """
 
 import argparse
@@ -20,12 +21,21 @@ if TYPE_CHECKING:
     from horizon_dl.runtime.prediction import Predictor
 
 
+MOST_PANELS = 1000
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
     parser.add_argument("model", type=Path, metavar="MODEL", help="what `train --out` or `export` wrote")
     add_data(parser, "source")
     parser.add_argument("--video", type=Path, metavar="FILE", help="also a copy of the film")
     parser.add_argument("--max-frames", type=positive_int, metavar="N", help="end after N frames")
+    parser.add_argument(
+        "--every",
+        type=positive_int,
+        metavar="N",
+        help="panels and arrays of every Nth frame (default: so that there are at most 1000)",
+    )
     add_out(parser)
 
 
@@ -52,8 +62,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     predictor.check(source)
     if arguments.video and not can_film():
         raise InputError("--video", "needs av", "pip install 'horizon-dl[logs]'")
+    length = _length(arguments, source)
+    every = arguments.every or every_nth(length)
+    if every > 1:
+        print(f"panels and arrays of 1 in {every} frames, the film of all; --every 1 writes all")
     with output_folder(arguments.out, "predict", overwrite=arguments.overwrite) as folder:
-        count, skipped = _predict(arguments, predictor, source, folder)
+        count, skipped = _predict(arguments, predictor, source, folder, every)
         if not count:
             first = next(iter(skipped.values()), "it is empty")
             raise InputError(arguments.source, "holds no frame that can be used", first)
@@ -64,7 +78,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     note = predictor.note()
     if note:
         print(f"note: {note}")
-    print(f"wrote {count} panels and arrays to {arguments.out}")
+    print(f"wrote {-(-count // every)} panels and arrays to {arguments.out}")
     if arguments.video and film:
         print(f"wrote {count} frames to {arguments.video}")
     if not can_film():
@@ -73,8 +87,23 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     return {"out": arguments.out, "frames": count, "skipped": skipped, "note": note}
 
 
+def every_nth(length: int | None) -> int:
+    """Of which frames panels and arrays are written: each is some 100 KB, and a film soon has 20,000 frames.
+
+    Example:
+        >>> every_nth(1000), every_nth(1001), every_nth(18000), every_nth(None)
+        (1, 2, 18, 1)
+    """
+    return 1 if length is None else max(1, -(-length // MOST_PANELS))
+
+
+def _length(arguments: argparse.Namespace, source: "FrameSource") -> int | None:
+    lengths = [n for n in (source.length, arguments.max_frames) if n is not None]
+    return min(lengths, default=None)
+
+
 def _predict(
-    arguments: argparse.Namespace, predictor: "Predictor", source: "FrameSource", folder: Path
+    arguments: argparse.Namespace, predictor: "Predictor", source: "FrameSource", folder: Path, every: int
 ) -> tuple[int, dict[str, str]]:
     from itertools import islice
 
@@ -85,18 +114,17 @@ def _predict(
     from horizon_dl.reporting.outputs import film_and_page
     from horizon_dl.visualization.file_sinks import Arrays, Panels
     from horizon_dl.visualization.log_predictions import log_predictions
-    from horizon_dl.visualization.sink import Sink, closing
+    from horizon_dl.visualization.sink import EveryNth, Sink, closing
 
     names = [one.name for one in source.headers] if isinstance(source, Recording) else []
     title = f"{predictor.name} on {source.name}"
     sinks: list[Sink] = [
-        Panels(folder / "panels", ResultNames(names)),
-        Arrays(folder / "arrays", ResultNames(names)),
+        EveryNth(Panels(folder / "panels", ResultNames(names)), every),
+        EveryNth(Arrays(folder / "arrays", ResultNames(names)), every),
         *film_and_page(folder, source, title, lambda page: _lead(page, predictor, source)),
     ]
-    lengths = [n for n in (source.length, arguments.max_frames) if n is not None]
     frames = islice(source.frames(), arguments.max_frames)
-    bar = show_progress(frames, "predict", total=min(lengths, default=None), unit="frame")
+    bar = show_progress(frames, "predict", total=_length(arguments, source), unit="frame")
     with closing(sinks) as sink, stopping(source.stop) as stopped:
         return log_predictions(predictor, bar, sink, stopped)
 

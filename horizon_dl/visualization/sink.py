@@ -55,6 +55,32 @@ class Sinks:
             raise errors[0]
 
 
+class EveryNth:
+    """A sink that hands on the first frame and every Nth after it.
+
+    Example:
+        >>> from types import SimpleNamespace
+        >>> seen = []
+        >>> sink = EveryNth(SimpleNamespace(log=lambda *frame: seen.append(frame)), 3)
+        >>> for number in range(7): sink.log(number, None, None)
+        >>> [frame[0] for frame in seen]
+        [0, 3, 6]
+    """
+
+    def __init__(self, sink: Sink, every: int) -> None:
+        self._sink, self._every, self._count = sink, every, 0
+
+    def log(self, frame: Frame, prediction: Prediction, ranges: Ranged | None) -> None:
+        """See `Sink`."""
+        if self._count % self._every == 0:
+            self._sink.log(frame, prediction, ranges)
+        self._count += 1
+
+    def close(self) -> None:
+        """See `Sink`."""
+        self._sink.close()
+
+
 @contextmanager
 def closing(sinks: Sequence[Sink]) -> Iterator[Sinks]:
     """The sinks as one, closed at the end."""
