@@ -14,7 +14,9 @@ LINE_EVERY_S = 10.0
 
 
 class Lines(Generic[T]):
-    """What a bar tells, as lines of a log: when the work begins, every ten seconds, and at its end.
+    """What a bar tells, as lines of a log: when the first is done, every ten seconds, and at the end.
+
+    Nothing is told of work that never begins: then its error stands alone.
 
     Args:
         items: are handed through and counted; None: `update` counts.
@@ -28,8 +30,8 @@ class Lines(Generic[T]):
         self, items: Iterable[T] | None, what: str, total: int | None, unit: str, initial: int = 0
     ) -> None:
         self._items, self._what, self._total, self._unit = items, what, total, unit
-        self._done, self._figures, self._told = initial, "", -1
-        self._tell()
+        self._done, self._figures, self._told = initial, "", initial
+        self._told_s: float | None = None
 
     def __iter__(self) -> Iterator[T]:
         for item in self._items or ():
@@ -45,8 +47,9 @@ class Lines(Generic[T]):
 
     def update(self, count: int = 1) -> None:
         """So many more are done."""
+        told_s = self._tell() if self._told_s is None else self._told_s
         self._done += count
-        if time.monotonic() - self._told_s >= LINE_EVERY_S:
+        if time.monotonic() - told_s >= LINE_EVERY_S:
             self._tell()
 
     def set_postfix(self, refresh: bool = True, **figures: object) -> None:
@@ -58,7 +61,7 @@ class Lines(Generic[T]):
         if self._told != self._done:
             self._tell()
 
-    def _tell(self) -> None:
+    def _tell(self) -> float:
         self._told, self._told_s = self._done, time.monotonic()
         counts = [self._done] if self._total is None else [self._done, self._total]
         if self._unit == "B":
@@ -66,6 +69,7 @@ class Lines(Generic[T]):
         else:
             counted = " of ".join(map(str, counts)) + f" {self._unit}{'s' * (counts[-1] != 1)}"
         print(f"{self._what}: {counted}{self._figures}", file=sys.stderr, flush=True)
+        return self._told_s
 
 
 def show_progress(

@@ -173,7 +173,7 @@ def test_a_damaged_run_is_named(toy, config, tmp_path):
     (tmp_path / "weights.safetensors").unlink()
     with pytest.raises(InputError, match=r"lacks weights\.safetensors"):
         load_run(tmp_path)
-    with pytest.raises(InputError, match="is no run folder"):
+    with pytest.raises(InputError, match="does not exist"):
         load_run(tmp_path / "nothing")
 
 

@@ -175,7 +175,7 @@ def test_a_comparison_draws_a_method_with_the_evidence_it_would_be_flown_with() 
 
 def test_ranging_rules_reach_what_is_drawn() -> None:
     frame, prediction = scene()
-    strict = FlightRules(RangingParams(rise=ContactDetectorParams(rise=5.0)))
+    strict = FlightRules(RangingParams(rise=ContactDetectorParams(rise=5.0, certain_p=0.95)))
     usual, never = (ranges_of(frame, replace(prediction, rules=one)) for one in (FlightRules(), strict))
     assert usual is not None
     assert never is not None

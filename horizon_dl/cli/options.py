@@ -72,7 +72,7 @@ def add_config(parser: argparse.ArgumentParser) -> None:
 
 def add_values(parser: argparse.ArgumentParser, *sections: str) -> None:
     """Dotted options for these sections of the config alone, as they are in a trained run or a model."""
-    parser.set_defaults(sections=sections)
+    parser.set_defaults(sections=sections, overrides=[])
 
 
 def add_out(

@@ -18,6 +18,7 @@ from horizon_dl.readers.image_files import picture_paths
 
 NAME = "dji_photos"
 NEEDS = "DJI's photos with the gimbal's angles in their XMP"
+MOST_ANGLE = 2 * math.pi
 ANGLES = ("GimbalRollDegree", "GimbalPitchDegree", "GimbalYawDegree")
 
 
@@ -67,7 +68,7 @@ def _header(path: Path, index: int, mount_rpy_rad: MountRpy) -> FrameHeader:
         angles = [math.radians(float(tags[name])) for name in ANGLES]
     except (KeyError, ValueError):
         angles = [math.nan]
-    if not all(map(math.isfinite, angles)):
+    if not all(abs(angle) <= MOST_ANGLE for angle in angles):  # nor NaN
         return FrameHeader(path.name, time_s)
     roll, pitch, yaw = angles
     return FrameHeader(
