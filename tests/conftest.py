@@ -11,6 +11,16 @@ import pytest
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files with the longest tests first: a worker that begins with one at the end keeps the other waiting."""
+    long = {
+        item.path
+        for item in items
+        if item.get_closest_marker("real_data") and item.get_closest_marker("slow")
+    }
+    items.sort(key=lambda item: item.path not in long)
+
+
 @pytest.fixture(scope="session")
 def data_dir() -> Path:
     """Folder of the real sets, from HORIZON_DL_DATA; tests that ask for it skip without it."""

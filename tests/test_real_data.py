@@ -41,7 +41,7 @@ def test_the_net_beats_the_forest(data_dir, tmp_path, name):
 
 def test_the_papers_protocol_on_kitti(data_dir, tmp_path):
     arguments = ["compare", str(data_dir / "kitti"), "--out", str(tmp_path / "out"), "--seeds", "1"]
-    assert main([*arguments, "--protocol", "tail"]) == 0
+    assert main([*arguments, "--protocol", "tail", "--train.rounds", "[60, 40]"]) == 0
     metrics = json.loads((tmp_path / "out" / "metrics.json").read_text())
     assert metrics["frames"]["train"] == 54
     for name in ("cnn", "rf"):
