@@ -12,7 +12,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with the longest tests first: a worker that begins with one at the end keeps the other waiting."""
+    """Files with the longest tests first: a worker that begins with one at the end keeps the other."""
     long = {
         item.path
         for item in items
