@@ -10,13 +10,13 @@ from tqdm import tqdm
 
 T = TypeVar("T")
 
-LINE_EVERY_S = 10.0
+FIRST_LINE_S, LINE_EVERY_S = 2.0, 10.0
 
 
 class Lines(Generic[T]):
-    """What a bar tells, as lines of a log: when the first is done, every ten seconds, and at the end.
+    """What a bar tells, as lines of a log: after two seconds, then every ten, and at the end.
 
-    Nothing is told of work that never begins: then its error stands alone.
+    Nothing is told of work that is done at once or never begins: its result, or its error, stands alone.
 
     Args:
         items: are handed through and counted; None: `update` counts.
@@ -30,8 +30,9 @@ class Lines(Generic[T]):
         self, items: Iterable[T] | None, what: str, total: int | None, unit: str, initial: int = 0
     ) -> None:
         self._items, self._what, self._total, self._unit = items, what, total, unit
-        self._done, self._figures, self._told = initial, "", initial
-        self._told_s: float | None = None
+        self._done, self._figures = initial, ""
+        self._told: int | None = None
+        self._next_s = time.monotonic() + FIRST_LINE_S
 
     def __iter__(self) -> Iterator[T]:
         for item in self._items or ():
@@ -47,9 +48,8 @@ class Lines(Generic[T]):
 
     def update(self, count: int = 1) -> None:
         """So many more are done."""
-        told_s = self._tell() if self._told_s is None else self._told_s
         self._done += count
-        if time.monotonic() - told_s >= LINE_EVERY_S:
+        if time.monotonic() >= self._next_s:
             self._tell()
 
     def set_postfix(self, refresh: bool = True, **figures: object) -> None:
@@ -57,19 +57,19 @@ class Lines(Generic[T]):
         self._figures = "".join(f", {name} {value}" for name, value in figures.items())
 
     def close(self) -> None:
-        """Tell the end, once."""
-        if self._told != self._done:
+        """Tell the end, once, of what was told of before."""
+        if self._told not in (None, self._done):
             self._tell()
 
-    def _tell(self) -> float:
-        self._told, self._told_s = self._done, time.monotonic()
+    def _tell(self) -> None:
+        self._told = self._done
+        self._next_s = time.monotonic() + LINE_EVERY_S
         counts = [self._done] if self._total is None else [self._done, self._total]
         if self._unit == "B":
             counted = " of ".join(f"{count / 1e6:.1f}" for count in counts) + " MB"
         else:
             counted = " of ".join(map(str, counts)) + f" {self._unit}{'s' * (counts[-1] != 1)}"
         print(f"{self._what}: {counted}{self._figures}", file=sys.stderr, flush=True)
-        return self._told_s
 
 
 def show_progress(

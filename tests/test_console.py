@@ -115,27 +115,36 @@ def test_colours_are_for_terminals_and_no_color_is_honoured(monkeypatch):
 
 def test_piped_progress_is_plain_lines_at_times(monkeypatch, capsys):
     monkeypatch.delenv("TQDM_DISABLE", raising=False)
-    now = iter(np.arange(0, 100, 2.5))
+    now = iter(np.arange(0, 100, 1.5))  # asked for at the beginning, at every step, and after every line
     monkeypatch.setattr(progress.time, "monotonic", lambda: float(next(now)))
-    assert list(show_progress(range(5), "round 1 of 3, training", unit="step")) == list(range(5))
+    assert list(show_progress(range(12), "round 1 of 3, training", unit="step")) == list(range(12))
     said = capsys.readouterr().err
     assert said.splitlines() == [
-        "round 1 of 3, training: 0 of 5 steps",
-        "round 1 of 3, training: 4 of 5 steps",
-        "round 1 of 3, training: 5 of 5 steps",
+        "round 1 of 3, training: 2 of 12 steps",
+        "round 1 of 3, training: 9 of 12 steps",
+        "round 1 of 3, training: 12 of 12 steps",
     ]
     assert "\r" not in said
 
 
-def test_lines_tell_figures_bytes_and_an_end_once(capsys):
+def test_work_that_is_done_at_once_or_never_begins_is_told_by_its_result_alone(monkeypatch, capsys):
+    monkeypatch.delenv("TQDM_DISABLE", raising=False)
+    assert list(show_progress(range(5), "images", unit="image")) == list(range(5))
+    with pytest.raises(ValueError, match="no address"), show_progress(what="online", unit="frame"):
+        raise ValueError("no address")
+    assert capsys.readouterr().err == ""
+
+
+def test_lines_tell_figures_bytes_and_an_end_once(monkeypatch, capsys):
+    monkeypatch.setattr(progress, "FIRST_LINE_S", 0.0)
     with Lines(None, "film.zip", 2_000_000, "B") as bar:
-        bar.update(2_000_000)
         bar.set_postfix(loss="0.6", refresh=False)
+        bar.update(2_000_000)
     bar.close()
     assert capsys.readouterr().err.splitlines()[-1] == "film.zip: 2.0 of 2.0 MB, loss 0.6"
     with Lines(None, "online", None, "frame") as bar:
         bar.update()
-    assert capsys.readouterr().err.splitlines() == ["online: 0 frames", "online: 1 frame"]
+    assert capsys.readouterr().err.splitlines() == ["online: 1 frame"]
 
 
 def test_a_bar_is_for_terminals_and_can_be_silenced(monkeypatch):

@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 from horizon_dl.errors import InputError
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome
 from horizon_dl.visualization import ros2_types
-from horizon_dl.visualization.dds_sink import Dds, Place, map_message, scan_message
+from horizon_dl.visualization.dds_sink import Dds, Network, map_message, scan_message
 
 STORE = get_typestore(Stores.ROS2_HUMBLE)
 STAMP = ros2_types.Time(1_700_000_000, 250_000_000)
@@ -66,10 +66,16 @@ def test_the_bytes_are_those_of_ros_messages():
     assert len(read.intensities) == 0
     obstacles = np.array([[True, False, False], [False, False, True]])
     image = STORE.deserialize_cdr(
-        map_message(ros2_types, STAMP, obstacles).serialize(), "sensor_msgs/msg/Image"
+        map_message(ros2_types, STAMP, obstacles, True).serialize(), "sensor_msgs/msg/Image"
     )
     assert (image.height, image.width, image.step, image.encoding) == (2, 3, 3, "mono8")
-    np.testing.assert_array_equal(image.data.reshape(2, 3) == 255, obstacles)
+    np.testing.assert_array_equal(image.data.reshape(2, 3), [[255, 0, 0], [0, 0, 255]])
+
+
+@pytest.mark.parametrize("obstacles", [np.zeros((2, 3), bool), np.eye(2, 3, dtype=bool)])
+def test_the_map_of_a_frame_that_is_not_believed_says_nothing(obstacles):
+    image = map_message(ros2_types, STAMP, obstacles, False)
+    assert bytes(image.data) == bytes([128] * 6)
 
 
 def test_another_process_hears_a_flight(tmp_path):
@@ -97,12 +103,12 @@ def test_another_process_hears_a_flight(tmp_path):
 @pytest.mark.parametrize("text", ["", "x", "233", "-1", "127.0.0.1", "127.0.0.1:x"])
 def test_no_domain_is_one_line(text):
     with pytest.raises(InputError, match="is no domain"):
-        Place.parse(text)
+        Network.parse(text)
 
 
 def test_only_this_machine_hears_unless_an_address_is_given():
-    assert Place.parse("7") == Place(7, "127.0.0.1")
-    assert "<AllowMulticast>false" in Place.parse("7").config()
-    assert Place.parse("10.0.0.5:7") == Place(7, "10.0.0.5")
+    assert Network.parse("7") == Network(7, "127.0.0.1")
+    assert "<AllowMulticast>false" in Network.parse("7").config()
+    assert Network.parse("10.0.0.5:7") == Network(7, "10.0.0.5")
     with pytest.raises(InputError, match="cannot be opened"):
-        Dds(Place.parse("203.0.113.5:88"), 0.2, 10.0)
+        Dds(Network.parse("203.0.113.5:88"), 0.2, 10.0)

@@ -42,9 +42,9 @@ def open_view(
         )
     sinks += open_viewers(arguments, title, lambda: status(flight))
     if arguments.dds is not None:
-        from horizon_dl.visualization.dds_sink import Dds, Place
+        from horizon_dl.visualization.dds_sink import Dds, Network
 
-        sinks.append(Dds(Place.parse(arguments.dds), arguments.min_distance, arguments.max_distance))
+        sinks.append(Dds(Network.parse(arguments.dds), arguments.min_distance, arguments.max_distance))
     if not sinks:
         return None
     view = FlightView(model, perception, Sinks(sinks))

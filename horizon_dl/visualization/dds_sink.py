@@ -24,14 +24,14 @@ CONFIG = """<CycloneDDS><Domain><General>
 
 
 @dataclass(frozen=True)
-class Place:
+class Network:
     """A domain of DDS on one of this machine's networks."""
 
     domain: int
     host: str = LOOPBACK
 
     @classmethod
-    def parse(cls, text: str) -> "Place":
+    def parse(cls, text: str) -> "Network":
         """`0`, only for this machine, or `192.168.1.7:0`, for the network of that address.
 
         Raises:
@@ -54,7 +54,7 @@ class Dds:
     """Publishes a `sensor_msgs/LaserScan` and a `sensor_msgs/Image` a frame.
 
     Args:
-        place: where.
+        network: where.
         min_m, max_m: nearer obstacles are said to be at the one, farther ones are none.
 
     Raises:
@@ -62,7 +62,7 @@ class Dds:
         InputError: the network cannot be used.
     """
 
-    def __init__(self, place: Place, min_m: float, max_m: float) -> None:
+    def __init__(self, network: Network, min_m: float, max_m: float) -> None:
         from cyclonedds.core import DDSException, Policy, Qos
         from cyclonedds.domain import Domain, DomainParticipant
         from cyclonedds.pub import DataWriter
@@ -77,11 +77,13 @@ class Dds:
         self._epoch_s = time.time() - time.monotonic()
         quality = Qos(Policy.Reliability.Reliable(duration(milliseconds=1)), Policy.History.KeepLast(1))
         try:
-            self._domain: Any = Domain(place.domain, place.config())
-            self._participant: Any = DomainParticipant(place.domain)
+            self._domain: Any = Domain(network.domain, network.config())
+            self._participant: Any = DomainParticipant(network.domain)
         except DDSException as error:
             problem = f"cannot be opened ({error.msg})"
-            raise InputError(f"--dds {place.host}:{place.domain}", problem, "give another address") from None
+            raise InputError(
+                f"--dds {network.host}:{network.domain}", problem, "give another address"
+            ) from None
         self._scans, self._maps = (
             DataWriter(self._participant, Topic(self._participant, f"rt/{name}", kind), qos=quality)
             for name, kind in ((SCAN, ros2_types.LaserScan), (MAP, ros2_types.Image))
@@ -93,7 +95,8 @@ class Dds:
         stamp = self._types.Time(seconds, rest)
         if ranges is not None:
             self._scans.write(scan_message(self._types, stamp, ranges.found, *self._limits_m))
-        self._maps.write(map_message(self._types, stamp, prediction.obstacles))
+        believed = ranges is not None and bool((ranges.found.outcome != Outcome.UNKNOWN).any())
+        self._maps.write(map_message(self._types, stamp, prediction.obstacles, believed))
 
     def close(self) -> None:
         """See `Sink`."""
@@ -127,8 +130,15 @@ def scan_message(types: Any, stamp: Any, found: FreeDistances, min_m: float, max
     )
 
 
-def map_message(types: Any, stamp: Any, obstacles: NDArray[np.bool_]) -> Any:
-    """The obstacle map as a `mono8` picture: 255 on obstacles."""
+def map_message(types: Any, stamp: Any, obstacles: NDArray[np.bool_], believed: bool) -> Any:
+    """The paper's obstacle map as a `mono8` picture: 255 on obstacles, 0 elsewhere.
+
+    Of a frame of which no sector is known it says nothing, 128 everywhere: an empty map would read as free.
+    """
     height, width = obstacles.shape
-    data = (obstacles.astype(np.uint8) * 255).tobytes()
-    return types.Image(types.Header(stamp, "camera"), height, width, "mono8", 0, width, data)
+    data = (
+        np.where(obstacles, np.uint8(255), np.uint8(0))
+        if believed
+        else np.full_like(obstacles, 128, np.uint8)
+    )
+    return types.Image(types.Header(stamp, "camera"), height, width, "mono8", 0, width, data.tobytes())

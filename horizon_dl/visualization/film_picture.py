@@ -96,5 +96,5 @@ def title_of(ranges: Ranged | None) -> str:
     nearest, heading = ranges.nearest(), ranges.heading
     near = "" if nearest is None else f"nearest {nearest[0]:.1f} m at {math.degrees(nearest[1]):+.0f}°"
     way = "no free heading" if heading is None else f"heading {math.degrees(heading.bearing_rad):+.0f}°"
-    said = f"{near}   {way}".strip() if ranges.has_metres else ""
-    return f"{said}   {unknown_words(ranges)}".strip()
+    said = (near, way) if ranges.has_metres else ()
+    return "; ".join(filter(None, (*said, unknown_words(ranges))))
