@@ -4,6 +4,7 @@ import os
 import random
 
 os.environ["MAVLINK20"] = "1"
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common
@@ -56,6 +57,18 @@ def test_a_signing_time_that_looks_like_a_beginning_blinds_nobody(monkeypatch) -
         messages[index] = messages[index][: chance.randrange(1, len(messages[index]))]
     found, _ = heard(b"".join(messages), [17, 60], KEY)
     assert found == [20 * n for n in range(100) if n >= 60 or n % 7]
+
+
+@pytest.mark.parametrize("place", range(1, 14))
+@pytest.mark.parametrize("sizes", [[71], [1], [30, 41]])
+def test_a_forged_signature_that_looks_like_a_beginning_is_no_garbage(place: int, sizes: list[int]) -> None:
+    mav = codec(key=KEY)
+    forged = bytearray(level(mav, 0))
+    forged[-13:] = bytes(13)
+    forged[-place] = 0xFD
+    found, link = heard(bytes(forged) + level(mav, 20) + level(mav, 40), sizes, KEY)
+    assert found == [20, 40]
+    assert link.counts == {"bad_signature": 1, "accepted": 2}
 
 
 def test_messages_of_other_dialects_are_passed_over_whole() -> None:

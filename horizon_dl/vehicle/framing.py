@@ -32,6 +32,7 @@ class Framer:
 
     def __init__(self) -> None:
         self._kept = b""
+        self._known = 0
 
     @property
     def waits(self) -> bool:
@@ -40,7 +41,7 @@ class Framer:
 
     def forget(self) -> None:
         """Leave that beginning out, where the next bytes do not continue it."""
-        self._kept = b""
+        self._kept, self._known = b"", 0
 
     def take(self, content: bytes, decode: Decode) -> tuple[list[Any], int]:
         """What `decode` made of the frames that are whole now, and how many stretches of bytes were none.
@@ -52,7 +53,8 @@ class Framer:
         """
         data = self._kept + content
         found: list[Any] = []
-        known = place = stretches = failed = 0  # up to `known` it is clear what the bytes are
+        place = stretches = failed = 0
+        known = self._known  # up to there it is clear what the bytes are
         waits: int | None = None
         while failed < MOST_TRIED and (place := _next_marker(data, place)) < len(data):
             end = place + _size(data, place)
@@ -70,7 +72,7 @@ class Framer:
             known = end if messages is not None and known == place else known
             place += 1
         kept = len(data) if waits is None or failed == MOST_TRIED else waits
-        self._kept = data[kept:]
+        self._kept, self._known = data[kept:], max(0, known - kept)
         return found, stretches + (known < kept)
 
 
