@@ -164,6 +164,7 @@ def test_the_limits_survive_the_card() -> None:
     known = place()
     again = Place.from_card(json.loads(json.dumps(known.to_card(), allow_nan=False)))
     assert (again.low, again.high, again.frames) == (known.low, known.high, known.frames)
+    assert again.offset_rad == known.offset_rad == pytest.approx((0.0, 0.0), abs=math.radians(0.5))
     np.testing.assert_array_equal(again.colours, known.colours)
     other = known.at_another_size()
     small = appearance(scene(3)[::2, ::2], ELEVATION[::2, ::2], P_ABOVE[::2, ::2])
@@ -187,6 +188,11 @@ def test_the_limits_survive_the_card() -> None:
         {"ranges": {name: [math.nan, 1.0] for name in FEATURES}},
         {"ranges": dict.fromkeys(FEATURES, "ab")},
         {"ranges": [1, 2]},
+        {"horizon_offset_rad": 0.1},
+        {"horizon_offset_rad": [0.1]},
+        {"horizon_offset_rad": [0.1, 0.0]},
+        {"horizon_offset_rad": [math.nan, 0.1]},
+        {"horizon_offset_rad": ["a", "b"]},
     ],
 )
 def test_damaged_limits_are_told(damaged: object) -> None:

@@ -8,6 +8,13 @@ from numpy.typing import NDArray
 from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 
 
+def sees_both_sides(elevation: NDArray[np.floating], limits: EvidenceLimits = LIMITS) -> bool:
+    """Whether there is enough above and below the horizon to judge by, of `elevation` (h, w) rad."""
+    least = limits.least_sky * elevation.size
+    above, below = elevation > limits.band_rad, elevation < -limits.band_rad
+    return bool(above.sum() >= least and below.sum() >= least)
+
+
 def horizon_accuracy(
     p_above: NDArray[np.floating], elevation: NDArray[np.floating], limits: EvidenceLimits = LIMITS
 ) -> float:
@@ -29,8 +36,7 @@ def horizon_accuracy(
         >>> horizon_accuracy(np.full((11, 8), 0.1), rows)
         0.5
     """
-    above, below = elevation > limits.band_rad, elevation < -limits.band_rad
-    least = limits.least_sky * elevation.size
-    if above.sum() < least or below.sum() < least:
+    if not sees_both_sides(elevation, limits):
         return math.nan
+    above, below = elevation > limits.band_rad, elevation < -limits.band_rad
     return float((p_above[above] > 0.5).mean() + (p_above[below] < 0.5).mean()) / 2

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from horizon_dl.evidence.appearance import FEATURES, appearance
 from horizon_dl.evidence.damage import damage
 from horizon_dl.evidence.exposure import exposure_problem
+from horizon_dl.evidence.horizon_offset import OffsetWatch, horizon_offset
 from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 from horizon_dl.evidence.place import Place
 from horizon_dl.evidence.reason import Reason
@@ -66,14 +67,16 @@ class Judge:
     frames: Counter[str] = field(default_factory=Counter)
     sectors: Counter[str] = field(default_factory=Counter)
     _motion: MotionWatch = field(default_factory=MotionWatch)
+    _offsets: OffsetWatch = field(default_factory=OffsetWatch)
     _proved_s: float = -np.inf
 
     def __post_init__(self) -> None:
-        self._motion.limits = self.limits
+        self._motion.limits = self._offsets.limits = self.limits
 
     def follow(self, place: Place | None, limits: EvidenceLimits) -> None:
         """Judge by what a fresh model file brings."""
-        self.place, self.limits, self._motion.limits = place, limits, limits
+        self.place, self.limits = place, limits
+        self._motion.limits = self._offsets.limits = limits
 
     def judge(
         self,
@@ -119,7 +122,7 @@ class Judge:
         found: FreeDistances,
         polar: PolarView,
     ) -> Judged:
-        """What the picture itself tells, whatever came before; nothing is counted."""
+        """What the picture tells, without its motion; nothing is counted."""
         small = working_image(image, p_above.shape)
         features = appearance(small, elevation, p_above, self.limits)
         strangeness = np.nan if self.place is None else self.place.strangeness(features)[0]
@@ -130,6 +133,8 @@ class Judge:
             self._horizon_problem(time_s, accuracy),
             self._place_problem(strangeness),
         ]
+        if not any(reasons):
+            reasons.append(self._offset_problem(time_s, p_above, elevation))
         lost = lost_pixels(small)
         unfamiliar = None if self.place is None else self.place.unfamiliar(small)
         gone, strange = sectors_without_evidence(found, polar, lost, unfamiliar, self.limits)
@@ -158,6 +163,13 @@ class Judge:
             return Reason.HORIZON
         self._proved_s = time_s
         return None
+
+    def _offset_problem(
+        self, time_s: float, p_above: NDArray[np.float32], elevation: NDArray[np.float32]
+    ) -> Reason | None:
+        """Asked of good pictures alone: what cannot show a horizon says nothing of the attitude."""
+        usual_rad = None if self.place is None else self.place.offset_rad
+        return self._offsets.problem(time_s, horizon_offset(p_above, elevation, self.limits), usual_rad)
 
     def _place_problem(self, strangeness: float) -> Reason | None:
         if self.place is None:

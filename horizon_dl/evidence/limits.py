@@ -11,7 +11,8 @@ class EvidenceLimits:
 
     Chosen on the embedded set and the corridor (nets trained without the fourth and the eighth tenth of the
     frames); `horizon_margin` on the arena's frames that were left out, too. Hallway and KITTI only scored:
-    see `docs/SAFETY.md`.
+    see `docs/SAFETY.md`. `offset_margin_rad` (one of 1 to 4 degrees) was chosen on the same two; arena,
+    hallway and KITTI scored it.
 
     Attributes:
         dark_level: grey levels of 255; a pixel darker than this shows nothing.
@@ -30,6 +31,8 @@ class EvidenceLimits:
             0.5, whatever it says.
         least_trained_accuracy: mean of that over the training pictures, under which no net is flown.
         horizon_margin: below the worst training frame by this much is worse than a net may be.
+        offset_margin_rad: so far outside of what was usual in training the net's horizon may lie.
+        offset_s: over so long the median of that is taken.
         proof_s: a horizon out of view is bridged for so long by what was proved before.
         strangeness: how far a picture may lie outside of the training pictures, in their own ranges.
         lost_share: share of a sector's claimed floor without any change from pixel to pixel.
@@ -57,6 +60,8 @@ class EvidenceLimits:
     least_horizon_accuracy: float = setting(0.65, 0.5, 1.0)
     least_trained_accuracy: float = setting(0.75, 0.5, 1.0)
     horizon_margin: float = setting(0.05, 0.0, 0.5)
+    offset_margin_rad: float = angle_deg(2.0, 0.1, 20.0)
+    offset_s: float = setting(1.0, 0.0, 10.0)
     proof_s: float = setting(2.0, 0.0, 60.0)
     strangeness: float = setting(0.35, 0.0, 100.0)
     lost_share: float = setting(0.1, 0.0, 1.0)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.evidence.appearance import FEATURES, LEAST_RANGE, appearance
+from horizon_dl.evidence.horizon_offset import horizon_offset
 from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 from horizon_dl.ranging.contact import ContactDetectorParams
 from horizon_dl.ranging.free_distance import p_of_entropy
@@ -38,6 +39,8 @@ class Place:
         horizon_accuracy: of the net on them, mean; tells a net that has not learned enough.
         floor_p: `p_above` of the floor on them, median of the pictures' own floor levels; None in cards of
             before it was kept.
+        offset_rad: between the horizons of net and attitude on them, least and greatest without a twentieth
+            of the pictures on either side; None as of `floor_p`.
     """
 
     low: tuple[float, ...]
@@ -46,6 +49,7 @@ class Place:
     frames: int
     horizon_accuracy: float
     floor_p: float | None = None
+    offset_rad: tuple[float, float] | None = None
 
     def strangeness(self, features: NDArray[np.floating]) -> tuple[float, str]:
         """How far a picture lies outside of the ranges, in ranges, and by which feature; 0 inside.
@@ -85,6 +89,7 @@ class Place:
             "frames": self.frames,
             "horizon_accuracy": self.horizon_accuracy,
             "floor_p": self.floor_p,
+            "horizon_offset_rad": None if self.offset_rad is None else list(self.offset_rad),
             "ranges": {name: [a, b] for name, a, b in zip(FEATURES, self.low, self.high, strict=True)},
             "colours": np.packbits(self.colours).tobytes().hex(),
         }
@@ -104,15 +109,18 @@ class Place:
             bits = np.unpackbits(np.frombuffer(bytes.fromhex(card["colours"]), np.uint8))
             frames, accuracy = int(card["frames"]), float(card["horizon_accuracy"])
             floor_p = None if card.get("floor_p") is None else float(card["floor_p"])
-        except (KeyError, TypeError, ValueError):
+            offset = card.get("horizon_offset_rad")
+            offset = None if offset is None else (float(offset[0]), float(offset[1]))
+        except (LookupError, TypeError, ValueError):
             raise ValueError("has damaged evidence limits") from None
         good = ranges.shape == (len(FEATURES), 2) and bits.size == LEVELS**3 and np.isfinite(ranges).all()
         good = good and 0 <= accuracy <= 1 and (floor_p is None or 0 <= floor_p <= 1)
+        good = good and (offset is None or -np.pi <= offset[0] <= offset[1] <= np.pi)
         if not good or (ranges[:, 0] > ranges[:, 1]).any() or frames < 1:
             raise ValueError("has damaged evidence limits")
         colours = bits.astype(np.bool_).reshape(LEVELS, LEVELS, LEVELS)
         low, high = ranges.T.tolist()
-        return cls(tuple(low), tuple(high), colours, frames, accuracy, floor_p)
+        return cls(tuple(low), tuple(high), colours, frames, accuracy, floor_p, offset)
 
 
 @dataclass
@@ -128,6 +136,7 @@ class PlaceCalibration:
     contact: ContactDetectorParams = field(default_factory=ContactDetectorParams)
     _features: list[NDArray[np.float64]] = field(default_factory=list)
     _floors: list[float] = field(default_factory=list)
+    _offsets: list[float] = field(default_factory=list)
     _counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(LEVELS**3, np.int64))
 
     def add(
@@ -135,6 +144,7 @@ class PlaceCalibration:
     ) -> None:
         """One picture at the working size; see `appearance`."""
         self._features.append(appearance(image, elevation, p_above, self.limits))
+        self._offsets.append(horizon_offset(p_above, elevation, self.limits))
         ground = p_above[elevation < -UNSEEN_RAD]
         if ground.size:
             self._floors.append(float(np.percentile(ground, self.contact.floor_percentile)))
@@ -158,6 +168,7 @@ class PlaceCalibration:
             len(features),
             float(np.nanmean(features[:, FEATURES.index("horizon_accuracy")])),
             float(np.median(self._floors)) if self._floors else None,
+            (float(np.nanpercentile(self._offsets, 5)), float(np.nanpercentile(self._offsets, 95))),
         )
 
 

@@ -13,6 +13,7 @@ class Reason(StrEnum):
     TORN = "picture torn"
     FROZEN = "image frozen"
     HORIZON = "net is wrong about horizon"
+    MOUNT = "attitude or mount is off"
     UNPROVED = "net not yet proved here"
     PLACE = "unfamiliar picture"
     NOT_CALIBRATED = "model not calibrated"
