@@ -8,6 +8,7 @@ and how many are free or over 1.5 times as far away.
 """
 
 import argparse
+import os
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import chain
@@ -29,14 +30,16 @@ PITCHES_DEG = (-3, -6, -10, 3, 6, 10)
 """Of the attitude over the true one; negative ones take the camera to look further up than it does."""
 ROLLS_DEG = (3, 6, 12)
 LATE = (1, 3, 10)
+FURTHER_SETS = ("room", "icl_office_kt3", "tum_fr1_rpy")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
+    sets = [*set_names(), *(name for name in FURTHER_SETS if data_folder(name).is_dir())]
     parser.add_argument("--nets", type=Path, required=True, help="folder of the trained nets")
-    parser.add_argument("--set", nargs="*", choices=set_names(), default=set_names())
+    parser.add_argument("--set", nargs="*", choices=sets, default=sets)
     arguments = parser.parse_args()
     print("| set | error | frames believed | free | free or too far |\n| --- | --- | ---: | ---: | ---: |")
     for name in arguments.set:
@@ -46,6 +49,11 @@ def main() -> None:
         for title, spoil in errors().items():
             wrong = [flown(model, spoil(flight)) for flight in flights]
             print(f"| {name} | {title} | {row(right, wrong)} |", flush=True)
+
+
+def data_folder(name: str) -> Path:
+    """Of a real set."""
+    return Path(os.environ.get("HORIZON_DL_DATA", ".")) / name
 
 
 def left_out_flights(name: str) -> list[Flight]:
