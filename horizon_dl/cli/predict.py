@@ -6,7 +6,7 @@
 
 DIR then holds index.html, film.mp4 (H.264; needs the extra `logs`), panels/NAME.jpg and arrays/NAME.npz
 (p_above, entropy, ... at the working size). Of more than 1000 frames panels and arrays are written of every
-Nth only, the film shows all. A camera is predicted until Ctrl-C or --max-frames.
+Nth only; the film shows ten pictures a second at most. A camera is predicted until Ctrl-C or --max-frames.
 """
 
 import argparse
@@ -65,7 +65,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     length = _length(arguments, source)
     every = arguments.every or every_nth(length)
     if every > 1:
-        print(f"panels and arrays of 1 in {every} frames, the film of all; --every 1 writes all")
+        print(f"panels and arrays of 1 in {every} frames; --every 1 writes all")
     with output_folder(arguments.out, "predict", overwrite=arguments.overwrite) as folder:
         count, skipped = _predict(arguments, predictor, source, folder, every)
         if not count:

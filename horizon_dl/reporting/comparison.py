@@ -70,9 +70,9 @@ def report_sections(
 
 
 def _frames(comparison: Comparison, log: ComparisonLog) -> list[Section]:
-    if log.stills is None:
-        return [Text("No frame could be shown.")]
     stills = log.stills.chosen()
+    if not stills:
+        return [Text("No frame could be shown.")]
     sliders = {
         name: Slider(
             METHOD_NAMES.get(name, name),

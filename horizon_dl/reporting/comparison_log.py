@@ -15,14 +15,14 @@ from horizon_dl.output.names import ResultNames
 from horizon_dl.ranging.free_distance import Outcome
 from horizon_dl.reporting.outputs import can_film
 from horizon_dl.reporting.run_page import FILM
-from horizon_dl.reporting.stills import Said, Stills, auc_of, still
+from horizon_dl.reporting.stills import Still, Stills, auc_of, said_of, still
 from horizon_dl.reporting.table import METHOD_NAMES
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged, ranges_of
 from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.uncertainty.measures import P_ABOVE, Measures, surprisal
 from horizon_dl.visualization.colours import Image
-from horizon_dl.visualization.file_sinks import drawn_ranges, panel_row
+from horizon_dl.visualization.file_sinks import panel_row
 from horizon_dl.visualization.film import Film
 from horizon_dl.visualization.panels import frame_panel, save_panel
 
@@ -51,7 +51,7 @@ class ComparisonLog:
     def __init__(
         self, folder: Path, frames: int, names: ResultNames | None = None, rules: FlightRules | None = None
     ) -> None:
-        self.stills: Stills | None = None
+        self.stills = Stills()
         self.aucs: dict[str, list[Pair]] = {}
         self.distances: list[Pair] = []
         self.covered: list[Pair] = []
@@ -90,17 +90,17 @@ class ComparisonLog:
         ranges: dict[str, Ranged | None],
         first: str,
     ) -> None:
-        said = {}
-        for name, one in predictions.items():
-            auc = auc_of(scored.view, one.flown_score, scored.frame.truth)
+        view, truth = scored.view, scored.frame.truth
+        aucs = {name: auc_of(view, one.flown_score, truth) for name, one in predictions.items()}
+        for name, auc in aucs.items():
             if auc is not None:
                 self.aucs.setdefault(name, []).append((scored.frame.time_s, auc))
-            drawn = _drawn(one, ranges[name])
-            found = one.measures
-            said[name] = Said(found.entropy.astype(np.float16), found.p_above.astype(np.float16), drawn, auc)
-        if self.stills is None:
-            self.stills = Stills(first)
-        self.stills.add(still(scored.frame, scored.view, said, ranges[first]))
+
+        def drawn() -> Still:
+            said = {name: said_of(one, ranges[name], aucs[name]) for name, one in predictions.items()}
+            return still(scored.frame, view, said, ranges[first])
+
+        self.stills.add(aucs[first], drawn)
 
     def _range(self, scored: ScoredFrame, learner: str) -> None:
         """Compare the learner's distances with measured ones, where there are any."""
@@ -152,7 +152,3 @@ def _panel(
     return frame_panel(
         scored.view.image, scored.view.elevation, rows, scored.frame.truth, title=scored.frame.name
     )
-
-
-def _drawn(prediction: Prediction, ranges: Ranged | None) -> Image | None:
-    return None if ranges is None else drawn_ranges(prediction, ranges)

@@ -10,10 +10,9 @@ from horizon_dl.reporting.browser_data import Slider, browser_data
 from horizon_dl.reporting.chart import Chart, Line
 from horizon_dl.reporting.html import write_report
 from horizon_dl.reporting.sections import Browser, Heading, Links, Pairs, Section, Text, Video
-from horizon_dl.reporting.stills import Said, Stills, auc_of, still
+from horizon_dl.reporting.stills import Still, Stills, auc_of, said_of, still
 from horizon_dl.runtime.prediction import PAPER_SCORE, Prediction
 from horizon_dl.runtime.ranged import Ranged
-from horizon_dl.visualization.file_sinks import drawn_ranges
 from horizon_dl.visualization.film import Film
 
 LEARNER = "model"
@@ -60,7 +59,7 @@ class Page:
         self.aucs: list[tuple[float, float]] = []
         self._nearest: list[Point] = []
         self._folder, self._title, self._lead, self._facts = folder, title, lead, facts
-        self._stills = Stills(LEARNER)
+        self._stills = Stills()
         self._film = film
         self._threshold = 0.5
 
@@ -74,10 +73,12 @@ class Page:
         if ranges is not None and ranges.has_metres:
             near = ranges.nearest()
             self._nearest.append((frame.time_s, None if near is None else min(near[0], ranges.vehicle.far_m)))
-        drawn = None if ranges is None else drawn_ranges(prediction, ranges)
-        measures = prediction.measures
-        said = Said(measures.entropy.astype(np.float16), measures.p_above.astype(np.float16), drawn, auc)
-        self._stills.add(still(frame, prediction.view, {LEARNER: said}, ranges))
+
+        def drawn() -> Still:
+            said = said_of(prediction, ranges, auc)
+            return still(frame, prediction.view, {LEARNER: said}, ranges)
+
+        self._stills.add(auc, drawn)
 
     def close(self) -> None:
         """Write the page; without a frame there is none."""

@@ -1,6 +1,6 @@
 """Frames for the browser of a page: a bounded number, evenly spread, and those that went worst."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame, Truth
 from horizon_dl.data.view import View
 from horizon_dl.metrics.roc import frame_auc
+from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.colours import Image
+from horizon_dl.visualization.file_sinks import drawn_ranges
 from horizon_dl.visualization.film_picture import title_of
 from horizon_dl.visualization.overlays import shrink_truth
 
@@ -59,6 +61,13 @@ def auc_of(view: View, score: Floats, truth: NDArray[np.uint8] | None) -> float 
     return frame_auc(np.asarray(score[used], np.float32), small[used] == Truth.OBSTACLE)
 
 
+def said_of(prediction: Prediction, ranges: Ranged | None, auc: float | None) -> Said:
+    """What a learner's prediction says."""
+    found = prediction.measures
+    drawn = None if ranges is None else drawn_ranges(prediction, ranges)
+    return Said(found.entropy.astype(np.float16), found.p_above.astype(np.float16), drawn, auc)
+
+
 def still(frame: Frame, view: View, said: Mapping[str, Said], ranges: Ranged | None) -> Still:
     """A frame for the browser."""
     truth = None
@@ -69,32 +78,39 @@ def still(frame: Frame, view: View, said: Mapping[str, Said], ranges: Ranged | N
 
 @dataclass
 class Stills:
-    """Gathers frames as they come, however many, in bounded memory.
+    """Gathers frames as they come, however many, in bounded memory; what is not kept is not drawn.
 
     Attributes:
-        by: learner whose AUC says which frames are the worst.
         even: evenly spread; their distance doubles whenever there are too many.
         worst: with the lowest AUC.
     """
 
-    by: str
     even: list[tuple[int, Still]] = field(default_factory=list)
     worst: list[tuple[float, int, Still]] = field(default_factory=list)
     count: int = 0
     _step: int = 1
 
-    def add(self, one: Still) -> None:
-        """Take a frame."""
+    def add(self, auc: float | None, draw: Callable[[], Still]) -> None:
+        """Take a frame.
+
+        Args:
+            auc: that says whether it is one of the worst; None without truth.
+            draw: makes the still.
+        """
         index = self.count
         self.count += 1
-        if index % self._step == 0:
+        even = index % self._step == 0
+        worst = auc is not None and (len(self.worst) < MOST_WORST or auc < self.worst[-1][0])
+        if not even and not worst:
+            return
+        one = draw()
+        if even:
             self.even.append((index, one))
             if len(self.even) > 2 * MOST_FRAMES:
                 self._step *= 2
                 self.even = [pair for pair in self.even if pair[0] % self._step == 0]
-        said = one.said.get(self.by)
-        if said is not None and said.auc is not None:
-            self.worst.append((said.auc, index, one))
+        if auc is not None and worst:
+            self.worst.append((auc, index, one))
             self.worst = sorted(self.worst, key=lambda entry: entry[:2])[:MOST_WORST]
 
     def chosen(self) -> list[Still]:

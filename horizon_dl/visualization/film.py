@@ -1,4 +1,7 @@
-"""A sink that writes a film that browsers play: H.264 in an MP4, at the pace of the frames' own times."""
+"""A sink that writes a film that browsers play: H.264 in an MP4, at the pace of the frames' own times.
+
+Ten pictures a second at most.
+"""
 
 import math
 from fractions import Fraction
@@ -19,6 +22,8 @@ PLAIN_S = 0.5
 LONGEST_S, SHORTEST_S = 1.0, 1 / 60
 """A longer gap between two frames would look like a film that hangs; a shorter one no screen shows."""
 POSTER_FRAME = 12
+MOST_HZ = 10.0
+"""Of a faster source frames are left out: to draw a picture takes ten times as long as to predict it."""
 
 
 class Film:
@@ -47,11 +52,16 @@ class Film:
         self._timed = timed
         self._container: Any = None
         self._stream: Any = None
-        self._last_s = 0.0
+        self._last_s = self._due_s = -math.inf
         self._shown_s = 0.0
 
     def log(self, frame: Frame, prediction: Prediction, ranges: Ranged | None) -> None:
         """See `Sink`."""
+        if frame.time_s < self._last_s:
+            self._due_s = -math.inf
+        if self._timed and frame.time_s < self._due_s:
+            return
+        self._due_s = max(self._due_s, frame.time_s - 0.5 / MOST_HZ) + 1 / MOST_HZ
         picture = self._picture(frame, prediction, ranges)
         if self.frames in (0, POSTER_FRAME):
             self.poster = image_bytes(
