@@ -85,10 +85,10 @@ def colour_map(values: NDArray[np.floating], name: str) -> Image:
 
 def tint(image: Image, mask: NDArray[np.bool_], colour: Colour, strength: float) -> Image:
     """A copy of the (h, w, 3) image with the masked pixels mixed with a colour, strength in [0, 1]."""
-    tinted = image.copy()
-    mixed = image[mask] * (1.0 - strength) + np.asarray(colour) * strength
-    tinted[mask] = mixed.round().astype(np.uint8)
-    return tinted
+    levels = np.arange(256)[:, None] * (1.0 - strength) + np.asarray(colour) * strength
+    table = levels.round().astype(np.uint8)
+    mixed = np.stack([table[image[..., channel], channel] for channel in range(3)], axis=-1)
+    return np.where(mask[..., None], mixed, image)
 
 
 def grey(image: Image) -> Image:
