@@ -164,6 +164,23 @@ def test_what_is_no_mapping_is_refused(tmp_path: Path, text: str) -> None:
         read_calibration(write(tmp_path, text))
 
 
+@pytest.mark.parametrize("name", ["0", "1.5", "2024-01-01", "~", "true"])
+@pytest.mark.parametrize("around", ["", "camera:\n  ", "a:\n  b:\n    "])
+def test_names_that_yaml_does_not_take_for_text(tmp_path: Path, around: str, name: str) -> None:
+    path = tmp_path / "camera.yaml"
+    path.write_text(f"{around}{name}: {{model: pinhole}}\n")
+    with pytest.raises(InputError):
+        read_calibration(path)
+
+
+def test_deeply_nested_json_is_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "camera.json"
+    for depth in (50, 300, 600, 900, 2000, 100_000):
+        path.write_text('{"a":' * depth + "1" + "}" * depth)
+        with pytest.raises(InputError):
+            read_calibration(path)
+
+
 def test_missing_and_binary_files(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is missing"):
         read_calibration(tmp_path / "none.yaml")

@@ -12,6 +12,7 @@ from test_reader_variants import kitti, trajectory
 from test_ros_attitude import pictures, pose, ros_q
 
 from horizon_dl.data.source import Recording
+from horizon_dl.errors import InputError
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.readers.tum_lists import read_list
 
@@ -130,6 +131,14 @@ def test_images_of_a_list_are_found_by_their_names(tmp_path: Path, head: str) ->
     assert len(read_list(folder / "rgb.txt")) == 4
     found = rows_of(open_recording(folder))
     assert [(time, up) for _, time, up in found] == [(time, up) for _, time, up in wanted]
+
+
+@pytest.mark.parametrize("name", ["a" * 400 + ".png", "b/" * 1500 + "a.png", "a\0.png"])
+def test_a_list_with_a_name_that_no_file_can_have_is_one_line(tmp_path: Path, name: str) -> None:
+    folder = dated(tmp_path)
+    rewrite(folder / "rgb.txt", lambda cells: f"{cells[0]} {name}", "timestamp filename\n")
+    with pytest.raises(InputError):
+        open_recording(folder)
 
 
 def test_euroc_stamps_in_microseconds(tmp_path: Path) -> None:

@@ -39,7 +39,17 @@ def read_tree(path: Path) -> dict[str, Any]:
         raise InputError(path, "is the ROS calibration tool's ost.txt, which does not name its lens", hint)
     if not isinstance(content, dict):
         raise InputError(path, "holds no fields", "write it as 'name: value' lines")
-    return {str(name)[:200]: value for name, value in content.items()}
+    try:
+        return dict(_named(content))
+    except RecursionError:
+        raise InputError(path, "is nested too deep", "correct the file") from None
+
+
+def _named(value: Any) -> Any:
+    """A value whose names are text at every depth: YAML's may be numbers, dates, or nothing."""
+    if isinstance(value, dict):
+        return {str(name)[:200]: _named(inner) for name, inner in value.items()}
+    return [_named(inner) for inner in value] if isinstance(value, list) else value
 
 
 def _text(path: Path) -> str:

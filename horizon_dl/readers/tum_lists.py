@@ -4,7 +4,7 @@ import math
 import re
 from pathlib import Path, PurePosixPath
 
-from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, read_lines
+from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, inside_folder, read_lines
 from horizon_dl.errors import InputError
 
 IMAGE_LISTS = ("rgb.txt", "rgb.csv", "image.txt", "images.txt", "color.txt", "gray.txt")
@@ -41,10 +41,16 @@ def found_images(folder: Path, listed: Listed) -> Listed:
     for place in ("", *PICTURES):
         ends = [(time_s, f"{place}/{PurePosixPath(name).name}".lstrip("/")) for time_s, name in listed]
         for names in (listed, ends) if not place else (ends,):
-            first = Path(names[0][1])
-            if not first.is_absolute() and ".." not in first.parts and (folder / first).is_file():
+            if _is_there(folder, names[0][1]):
                 return names
     return listed
+
+
+def _is_there(folder: Path, name: str) -> bool:
+    try:
+        return inside_folder(folder, folder, name).is_file()
+    except InputError:
+        return False
 
 
 def find_depths(folder: Path) -> Listed:
