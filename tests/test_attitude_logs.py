@@ -116,6 +116,23 @@ def test_rows_of_dataflash_that_hold_no_numbers_are_left_out(tmp_path: Path) -> 
     assert log.shutter is not None
 
 
+@pytest.mark.parametrize(
+    "columns", ["TimeUS,Roll,Pitch,Yaw", "TimeUS,A,B,C,Roll,Pitch,Yaw", "Roll", "Yaw,Yaw"]
+)
+@pytest.mark.parametrize("letters", ["Qfff", "Q", "Qf", "fff"])
+def test_a_dataflash_format_whose_names_and_letters_differ_in_number(
+    tmp_path: Path, columns: str, letters: str
+) -> None:
+    """Of a damaged header: what is told is left out, and nothing else happens."""
+    whole = dataflash_bytes()
+    header = struct.pack("<4s16s64s", b"ATT", b"Qfff", b"TimeUS,Roll,Pitch,Yaw")
+    damaged = struct.pack("<4s16s64s", b"ATT", letters.encode(), columns.encode())
+    path = tmp_path / "damaged.BIN"
+    path.write_bytes(whole.replace(header, damaged))
+    with contextlib.suppress(InputError):
+        assert np.isfinite(read_attitude_log(path).times_s).all()
+
+
 @needs_logs
 def test_dataflash_is_in_degrees_from_boot_and_quiet(capfd: pytest.CaptureFixture[str]) -> None:
     log = read_attitude_log(LOGS / "dataflash" / "test.BIN")

@@ -146,7 +146,7 @@ def _numbers(messages: list[Any], names: Sequence[str]) -> Floats:
     for message in messages:
         try:
             row = [float(getattr(message, name)) for name in names]
-        except (AttributeError, TypeError, ValueError, OverflowError):
+        except (AttributeError, LookupError, TypeError, ValueError, OverflowError):
             continue
         if all(map(math.isfinite, row)):
             rows.append(row)
