@@ -2,12 +2,14 @@
 
 import pickle
 import struct
+from contextlib import suppress
 from pathlib import Path
 
 import make_films
 import numpy as np
 import pytest
 
+from horizon_dl.data.containers import first_frame
 from horizon_dl.data.film_frames import FilmLoader, time_stamps
 from horizon_dl.data.given import Given
 from horizon_dl.errors import FrameError, InputError
@@ -76,6 +78,21 @@ def test_a_film_that_is_cut_off_is_read_as_far_as_it_goes(tmp_path: Path) -> Non
     good = [frame for frame in frames if not isinstance(frame, FrameError)]
     assert len(good) > 30
     assert [make_films.number_of(one.image) for one in good[:20]] == list(range(20))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_first_frame_of_a_damaged_film_is_a_later_one_or_is_said_to_be_none(
+    tmp_path: Path, seed: int
+) -> None:
+    data = bytearray(make_films.film(tmp_path / "a.mp4", range(0, 1200, 40)).read_bytes())
+    begin = data.index(b"mdat") + 4
+    rng = np.random.default_rng(seed)
+    for place in rng.integers(begin, min(begin + 3000, len(data)), 5 + 20 * seed):
+        data[place] = rng.integers(256)
+    (tmp_path / "damaged.mp4").write_bytes(data)
+    with suppress(InputError):
+        frame = first_frame(tmp_path / "damaged.mp4")
+        assert (frame.width, frame.height) == (64, 48)
 
 
 def test_damage_inside_costs_frames_and_no_others(tmp_path: Path) -> None:

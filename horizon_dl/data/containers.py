@@ -1,10 +1,15 @@
 """Opens films and what else a container holds, by PyAV."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from horizon_dl.errors import InputError
 
+DAMAGED = (OSError, ValueError, ArithmeticError, LookupError, RuntimeError, MemoryError)
+"""What libraries raise on a damaged file; FFmpeg's errors are all one of these."""
+MOST_ERRORS = 20
+"""Damaged places in a container after which it is given up."""
 MOST_BOXES = 100
 
 
@@ -34,6 +39,38 @@ def opened(path: Path) -> Any:
         container.close()
         raise InputError(path, "holds no film", "give a file with a video track")
     return container
+
+
+def packets(container: Any, stream: Any) -> Iterator[Any]:
+    """Packets of a stream as far as the container can be read."""
+    for _ in range(MOST_ERRORS):
+        try:
+            yield from container.demux(stream)
+            return
+        except DAMAGED:
+            continue  # behind the damage
+
+
+def frames_of(packet: Any) -> list[Any]:
+    """The frames of a packet; none of a damaged one."""
+    try:
+        return list(packet.decode())
+    except DAMAGED:
+        return []
+
+
+def first_frame(path: Path) -> Any:
+    """The first frame that can be decoded.
+
+    Raises:
+        InputError: there is none, or it is no film.
+    """
+    with opened(path) as container:
+        film = packets(container, container.streams.video[0])
+        frame = next((frame for packet in film for frame in frames_of(packet)), None)
+    if frame is None:
+        raise InputError(path, "holds no frame that can be decoded", "record again")
+    return frame
 
 
 def _has_no_index(path: Path) -> bool:

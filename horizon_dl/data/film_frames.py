@@ -8,17 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.containers import opened
+from horizon_dl.data.containers import DAMAGED, frames_of, opened, packets
 from horizon_dl.data.decoding import MOST_PIXELS
 from horizon_dl.data.source import Pixels
 from horizon_dl.errors import FrameError, InputError
 
 FORWARD = 30
 """Frames that are decoded on the way to a later one; further ones are sought."""
-DAMAGED = (OSError, ValueError, ArithmeticError, LookupError, RuntimeError, MemoryError)
-"""What libraries raise on a damaged file; FFmpeg's errors are all one of these."""
-MOST_ERRORS = 20
-"""Damaged places in a container after which it is given up."""
 BACKWARD_S = (0.0, 1.0, 5.0, float("inf"))
 """How much before a frame the search for its key frame begins; containers' indices are not always right."""
 
@@ -32,7 +28,7 @@ def time_stamps(path: Path) -> tuple[list[int], list[float]]:
     with opened(path) as container:
         stream = container.streams.video[0]
         shown, decoded = set(), set()
-        for packet in _packets(container, stream):
+        for packet in packets(container, stream):
             if packet.size and not packet.is_discard:
                 shown.add(packet.pts)
                 decoded.add(packet.dts)
@@ -116,8 +112,8 @@ def _decoded(path: Path, stamp: int, before_s: float) -> Iterator[Any]:
         if before_s < float("inf"):
             start = stream.start_time or 0
             _seek(container, stream, max(start, stamp - int(before_s / stream.time_base)))
-        for packet in _packets(container, stream):
-            for frame in _frames_of(packet):
+        for packet in packets(container, stream):
+            for frame in frames_of(packet):
                 if frame.pts is None:
                     frame.pts = frame.dts
                 if frame.pts is not None and frame.width * frame.height <= MOST_PIXELS:
@@ -129,23 +125,6 @@ def _seek(container: Any, stream: Any, stamp: int) -> None:
         container.seek(stamp, stream=stream)
     except DAMAGED:
         return  # without an index: from the start
-
-
-def _packets(container: Any, stream: Any) -> Iterator[Any]:
-    """Packets as far as the container can be read."""
-    for _ in range(MOST_ERRORS):
-        try:
-            yield from container.demux(stream)
-            return
-        except DAMAGED:
-            continue  # behind the damage
-
-
-def _frames_of(packet: Any) -> list[Any]:
-    try:
-        return list(packet.decode())
-    except DAMAGED:
-        return []
 
 
 def _rgb(frame: Any) -> NDArray[np.uint8]:

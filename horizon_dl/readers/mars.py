@@ -6,7 +6,7 @@ import numpy as np
 
 from horizon_dl.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.attitude_log import Floats
-from horizon_dl.data.containers import opened
+from horizon_dl.data.containers import first_frame
 from horizon_dl.data.film_frames import time_stamps
 from horizon_dl.data.given import Given
 from horizon_dl.data.source import Recording
@@ -107,10 +107,7 @@ def _own_camera(folder: Path, film: Path) -> Calibration:
     fx, fy = (column(path, rows, name) for name in ("fx[px]", "fy[px]"))
     if not (np.isfinite(fx).any() and np.isfinite(fy).any()):
         raise InputError(path, "tells no focal length", "give the camera with --camera")
-    with opened(film) as container:
-        frame = next(container.decode(video=0), None)
-    if frame is None:
-        raise InputError(film, "holds no frame that can be decoded", "record again")
+    frame = first_frame(film)
     across = round((frame.rotation or 0) / 90) % 2 == 1
     width, height = (frame.height, frame.width) if across else (frame.width, frame.height)
     focal = float(np.nanmedian(fx)), float(np.nanmedian(fy))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from horizon_dl.data.attitude_log import AttitudeLog, Floats, angles_of_ups, log_of_angles
-from horizon_dl.data.containers import opened
+from horizon_dl.data.containers import opened, packets
 from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_quaternion
@@ -99,7 +99,7 @@ def read_streams(path: Path, keys: Sequence[str]) -> tuple[dict[str, Stream], fl
             raise InputError(path, "has no track of a GoPro's sensors", "give a log with --attitude")
         video = container.streams.video[0]
         start_s = float((video.start_time or 0) * video.time_base)
-        for packet in container.demux(tracks[0]):
+        for packet in packets(container, tracks[0]):
             if packet.pts is None:
                 continue
             time_s = float(packet.pts * packet.time_base) - start_s
