@@ -122,10 +122,10 @@ def test_plain_pictures_make_a_page_and_one_picture_no_film(tmp_path: Path) -> N
     assert (tmp_path / "one" / "index.html").is_file()
 
 
-def test_panels_of_every_nth_frame_and_a_film_of_all(tmp_path: Path, capsys: Any) -> None:
+def test_panels_of_every_nth_frame_and_a_film_beside_them(tmp_path: Path, capsys: Any) -> None:
     data, out = part_of_the_embedded_flight(tmp_path / "set", 5), tmp_path / "p"
     assert main(["predict", str(REFERENCE), str(data), "--out", str(out), "--every", "2"]) == 0
-    assert "1 in 2 frames, the film of all" in capsys.readouterr().out
+    assert "panels and arrays of 1 in 2 frames" in capsys.readouterr().out
     assert len(played(out / "film.mp4")[1]) == 5
     for folder in ("panels", "arrays"):
         assert sorted(one.stem for one in (out / folder).rglob("*.*")) == ["00000", "00002", "00004"]

@@ -125,8 +125,6 @@ def test_leaves_as_onnx(forest):
 @pytest.mark.parametrize(
     ("folder", "max_pixels", "least", "most"),
     [
-        ("arena", 124_800, 0.87, 0.92),
-        ("corridor", 76_800, 0.70, 0.78),
         ("hallway", 76_800, 0.75, 0.81),
         ("kitti", 117_000, 0.65, 0.73),
     ],

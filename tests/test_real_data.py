@@ -1,4 +1,4 @@
-"""The whole comparison on the real sets, from the command line with the default config."""
+"""The whole comparison on the real sets, from the command line, two of them with the default config."""
 
 import json
 
@@ -26,7 +26,10 @@ def scores(folder) -> dict:
 
 @pytest.mark.parametrize("name", list(FOREST_AUC))
 def test_the_net_beats_the_forest(data_dir, tmp_path, name):
-    assert main(["compare", str(data_dir / name), "--out", str(tmp_path / "out"), "--seeds", "1"]) == 0
+    arguments = ["compare", str(data_dir / name), "--out", str(tmp_path / "out"), "--seeds", "1"]
+    # Where the margin is wide half of the steps will do.
+    half = ["--train.rounds", "[100, 150]"] if name in ("arena", "corridor") else []
+    assert main([*arguments, *half]) == 0
     found = scores(tmp_path / "out")
     net, forest = found["cnn"]["entropy"], found["rf"]["entropy"]
     low, high = FOREST_AUC[name]
