@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 UV     := .uv/bin/uv
 STAMP  := $(VENV)/.installed
 
-# Where Python is told to write no bytecode, every process compiles torch and lightning anew: 28 s in place of 4.
+# Where Python is told to write no bytecode, every process compiles torch and lightning anew: 28 s in place of 12.
 unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo test lint coverage notebooks docs matrix clean
