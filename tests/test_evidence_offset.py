@@ -53,6 +53,20 @@ def test_an_obstacle_in_less_than_half_of_the_picture_moves_nothing() -> None:
     assert horizon_offset(p_above, ELEVATION) == pytest.approx(0.0, abs=math.radians(0.5))
 
 
+@pytest.mark.parametrize("sides", [20, 50, 65])
+def test_parts_without_a_ray_say_nothing(sides: int) -> None:
+    round_picture = tilted(5.0).copy()
+    round_picture[:, :sides] = round_picture[:, 160 - sides :] = np.nan
+    assert math.degrees(horizon_offset(P_ABOVE, round_picture)) == pytest.approx(5.0, abs=1.0)
+
+
+@pytest.mark.parametrize("width", [8, 20, 31, 33])
+def test_narrow_pictures_are_measured_as_wide_ones(width: int) -> None:
+    middle = slice(80 - width // 2, 80 - width // 2 + width)
+    measured = horizon_offset(P_ABOVE[:, middle], tilted(5.0)[:, middle])
+    assert math.degrees(measured) == pytest.approx(5.0, abs=1.0)
+
+
 def test_without_both_sides_in_view_it_is_not_known() -> None:
     assert math.isnan(horizon_offset(P_ABOVE, tilted(60.0)))
     assert math.isnan(horizon_offset(P_ABOVE, np.full_like(ELEVATION, np.nan)))

@@ -59,7 +59,8 @@ def horizon_offset(
     cell = part * steps + np.searchsorted(LINES_RAD, elevation[known])
     log_odds = np.bincount(cell, np.log(p / (1 - p)), minlength=PARTS * steps).reshape(PARTS, steps)
     above = np.cumsum(log_odds[:, ::-1], axis=1)[:, ::-1][:, 1:]
-    return float(np.median(LINES_RAD[above.argmax(axis=1)]))
+    in_view = np.bincount(part, minlength=PARTS) > 0  # a round picture has nothing at its sides
+    return float(np.median(LINES_RAD[above[in_view].argmax(axis=1)]))
 
 
 @dataclass
