@@ -63,15 +63,24 @@ def status(flight: "FlightLoop") -> dict[str, Any]:
         "from image to message": None
         if latency["median_ms"] is None
         else f"median {latency['median_ms']:.0f} ms, 99 % in {latency['p99_ms']:.0f} ms",
-        "messages": f"{flight.sent} sent, {flight.unknown} of them unknown, {flight.unsent} did not leave",
+        "messages": message_words(flight.summary()),
         "pictures": f"{flight.looked_at} looked at, {flight.without_attitude} without attitude",
         "autopilot": f"{flight.autopilot.heartbeats} heartbeats",
     }
 
 
+def message_words(figures: dict[str, Any]) -> str:
+    """What became of the messages, of `FlightLoop.summary`."""
+    messages, doubted = figures["messages"], figures["evidence"]["doubted_messages"]
+    return (
+        f"{messages['sent']} messages ({messages['unknown']} unknown, as something was late or missing; "
+        f"{doubted} of pictures that were not believed; {messages['unsent']} did not leave)"
+    )
+
+
 def _lead(page: "Page", flight: "FlightLoop") -> str:
     """What became of the flight."""
-    good = flight.sent - flight.unknown
+    good = max(0, flight.sent - flight.unknown - flight.doubted)
     share = good / flight.sent if flight.sent else 0.0
     return (
         f"The loop looked at {flight.looked_at} pictures and sent {flight.sent} messages; in {share:.0%} of "

@@ -271,11 +271,10 @@ def _frames(arguments: argparse.Namespace, source: "FrameSource") -> "Iterator[F
 
 
 def _say(figures: dict[str, Any]) -> None:
-    messages, latency, pictures = figures["messages"], figures["latency"], figures["pictures"]
-    print(f"looked at {pictures['looked_at']} pictures, sent {messages['sent']} messages", end="")
-    doubted = figures["evidence"]["doubted_messages"]
-    print(f" ({messages['unknown']} unknown, as something was late or missing; ", end="")
-    print(f"{doubted} of pictures that were not believed; {messages['unsent']} did not leave)")
+    from horizon_dl.cli.flight_views import message_words
+
+    latency, pictures = figures["latency"], figures["pictures"]
+    print(f"looked at {pictures['looked_at']} pictures, sent {message_words(figures)}")
     if latency["count"]:
         print(
             f"from image to message: median {latency['median_ms']:.0f} ms, 99 % in {latency['p99_ms']:.0f} ms"
