@@ -1,8 +1,14 @@
-"""Where independent work is done: in this process, or by the workers of a Dask cluster."""
+"""Where independent work is done: in this process, in some beside it, or by the workers of a Dask cluster."""
 
+import multiprocessing
+import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import ExitStack, contextmanager
 from itertools import islice
+from threading import Thread
 from typing import Any, Protocol, TypeVar
 
 from horizon_dl.errors import InputError
@@ -96,3 +102,57 @@ def open_workers(scheduler: str | None) -> Iterator[Workers]:
         if not client.nthreads():
             raise InputError(f"--scheduler {scheduler}", "has no workers", f"start `dask worker {scheduler}`")
         yield DaskWorkers(client)
+
+
+@contextmanager
+def processes_beside(jobs: int) -> Iterator[list[Executor]]:
+    """`jobs - 1` processes beside this one, each an executor of its own; the cores are divided among all.
+
+    They end with the block, also where it ends with an error, and with this process, however that ends.
+
+    Raises:
+        InputError: one of them was killed.
+    """
+    if jobs == 1:
+        yield []
+        return
+    import torch
+
+    before = torch.get_num_threads()
+    each = max(1, before // jobs)
+    torch.set_num_threads(each)
+    fresh = multiprocessing.get_context("spawn")  # a fork would share the locks of torch's threads
+    with ExitStack() as stack:
+        # One executor of many processes does not notice the death of one that it started late (Python 3.11).
+        beside: list[Executor] = [
+            stack.enter_context(
+                ProcessPoolExecutor(1, mp_context=fresh, initializer=_begin, initargs=(each,))
+            )
+            for _ in range(jobs - 1)
+        ]
+        try:
+            yield beside
+        except BaseException as error:
+            for child in multiprocessing.active_children():
+                child.terminate()
+            if isinstance(error, BrokenProcessPool):
+                problem = "one of the processes was killed, perhaps for want of memory"
+                raise InputError(f"--jobs {jobs}", problem, "give fewer jobs") from None
+            raise
+        finally:
+            torch.set_num_threads(before)
+
+
+def _begin(threads: int) -> None:
+    import torch
+
+    torch.set_num_threads(threads)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process hears it, and ends the others
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

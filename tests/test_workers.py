@@ -1,14 +1,19 @@
 """The same work in this process and on a cluster of two workers."""
 
 import json
+import multiprocessing
+import os
+import signal
+import time
 
 import pytest
+import torch
 from distributed import LocalCluster
 from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.errors import FrameError, InputError
-from horizon_dl.workers import SERIAL, DaskWorkers, open_workers
+from horizon_dl.workers import SERIAL, DaskWorkers, open_workers, processes_beside
 
 QUICK = ["--train.rounds", "[8,4]", "--train.batch", "4", "--train.crop", "32", "--seeds", "1"]
 QUICK += ["--forest.training_pixels", "4000"]
@@ -51,6 +56,45 @@ def test_a_cluster_gives_the_same_figures_to_the_last_digit(cluster, tmp_path):
     assert here["frames"]["skipped"] == 1
     assert without_times(here) == without_times(there)
     assert here["methods"]["rf"]["scores"]["entropy"]["auc"] is not None
+
+
+@pytest.mark.slow
+def test_seeds_in_processes_beside_give_the_same_figures(tmp_path):
+    data = write_toy_set(tmp_path / "toy")
+    arguments = ["compare", str(data), *QUICK, "--seeds", "3"]
+    torch.set_num_threads(1)  # as the processes have; sums differ by threads in their last digit
+    assert main([*arguments, "--out", str(tmp_path / "one")]) == 0
+    assert main([*arguments, "--out", str(tmp_path / "two"), "--jobs", "2"]) == 0
+    one, two = (json.loads((tmp_path / name / "metrics.json").read_text()) for name in ("one", "two"))
+    assert one["methods"]["cnn"]["scores"]["entropy"]["auc_sd"] > 0
+    assert without_times(one) == without_times(two)
+    assert not multiprocessing.active_children()
+
+
+def kill_itself() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.parametrize("victim", [0, 1])
+def test_a_process_that_is_killed_is_one_line_and_none_is_left(victim):
+    with pytest.raises(InputError, match=r"--jobs 3.*killed"), processes_beside(3) as beside:  # noqa: PT012
+        beside[1 - victim].submit(time.sleep, 600)
+        beside[victim].submit(kill_itself).result(timeout=300)
+    assert not multiprocessing.active_children()
+
+
+def test_an_error_of_this_process_ends_those_beside_it():
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), processes_beside(2) as (beside,):  # noqa: PT012
+        beside.submit(time.sleep, 600)
+        raise KeyboardInterrupt
+    assert time.monotonic() - start < 300
+    assert not multiprocessing.active_children()
+
+
+def test_one_job_needs_no_process():
+    with processes_beside(1) as beside:
+        assert beside == []
 
 
 def test_an_address_where_nothing_answers_is_named():

@@ -1,8 +1,9 @@
 """The comparison: net, forest and training-free baselines on the same frames of one recording."""
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import cycle
 from typing import Any, TypeVar
 
 from horizon_dl.config import Config
@@ -34,11 +35,12 @@ from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
+from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.training.evidence import place_of
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.train import entropy_threshold, evenly, evidence_of, train_net
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
-from horizon_dl.workers import SERIAL, Workers
+from horizon_dl.workers import SERIAL, Workers, processes_beside
 
 T = TypeVar("T")
 
@@ -72,6 +74,8 @@ def compare(
     on_frame: OnFrame | None = None,
     progress: bool = False,
     workers: Workers = SERIAL,
+    jobs: int = 1,
+    vehicle: VehicleHeight | None = None,
 ) -> Comparison:
     """Train and score every method under every seed.
 
@@ -84,25 +88,34 @@ def compare(
         progress: show progress bars.
         workers: who computes features, fits the forest and scores frames; `prequential`, frame by frame,
             stays in this process.
+        jobs: processes on this machine; seeds after the first run in the others.
+        vehicle: count distances also of what is in its way.
 
     Raises:
         InputError: nothing to train on or to test, or too many frames cannot be used.
     """
     split = split_recording(recording, protocol)
     store = FrameStore(recording, config)
-    run_seed = _prequential if protocol == "prequential" else _offline
+    run_seed = _run_seed(protocol)
     accumulators: dict[str, list[MethodAccumulator]] = {name: [] for name in LEARNERS}
-    ranging = RangingBlock(recording.headers, config.ranging_params)
+    ranging = RangingBlock(recording.headers, config.ranging_params, vehicle)
     watch = watching(ranging, on_frame)
     nets: list[tuple[HorizonFCN, dict[str, Any]]] = []
-    for number, seed in enumerate(seeds):
-        found, net, evidence = run_seed(store, split, seed, watch if number == 0 else None, progress, workers)
+    with processes_beside(jobs) as beside:
+        started = [
+            executor.submit(_further_seed, recording, config, protocol, seed)
+            for executor, seed in zip(cycle(beside), seeds[1:], strict=False)
+        ]
+        first = run_seed(store, split, seeds[0], watch, progress, workers)
+        baselines = _baselines(store, split.test, progress, workers)
+        rest = [one.result() for one in started] or [
+            run_seed(store, split, seed, None, progress, workers) for seed in seeds[1:]
+        ]
+    for found, net, evidence in (first, *rest):
         nets.append((net, evidence))
         for name, accumulator in found.items():
             accumulators[name].append(accumulator)
-    accumulators |= {
-        name: [accumulator] for name, accumulator in _baselines(store, split.test, progress, workers).items()
-    }
+    accumulators |= {name: [accumulator] for name, accumulator in baselines.items()}
     rule = PaperThreshold(config.threshold.percentile).rule
     methods = {name: method_metrics(found, rule) for name, found in accumulators.items()}
     net, evidence = nets[0]
@@ -118,6 +131,16 @@ def compare(
         "ranging": ranging.compute(),
     }
     return Comparison(metrics, accumulators, store.skipped, net)
+
+
+def _run_seed(protocol: Protocol) -> Callable[..., Learned]:
+    return _prequential if protocol == "prequential" else _offline
+
+
+def _further_seed(recording: Recording, config: Config, protocol: Protocol, seed: int) -> Learned:
+    """One seed in a process of its own."""
+    store, split = FrameStore(recording, config), split_recording(recording, protocol)
+    return _run_seed(protocol)(store, split, seed, None, False, SERIAL)
 
 
 def split_recording(recording: Recording, protocol: Protocol) -> Split:

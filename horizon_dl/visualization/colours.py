@@ -4,6 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image as PilImage
 
 from horizon_dl.data.frame import Truth
 from horizon_dl.evidence.sketch import luma
@@ -85,10 +86,10 @@ def colour_map(values: NDArray[np.floating], name: str) -> Image:
 
 def tint(image: Image, mask: NDArray[np.bool_], colour: Colour, strength: float) -> Image:
     """A copy of the (h, w, 3) image with the masked pixels mixed with a colour, strength in [0, 1]."""
-    levels = np.arange(256)[:, None] * (1.0 - strength) + np.asarray(colour) * strength
-    table = levels.round().astype(np.uint8)
-    mixed = np.stack([table[image[..., channel], channel] for channel in range(3)], axis=-1)
-    return np.where(mask[..., None], mixed, image)
+    levels = np.arange(256) * (1.0 - strength) + np.asarray(colour)[:, None] * strength
+    picture = PilImage.fromarray(image)
+    picture.paste(picture.point(levels.round().ravel().tolist()), mask=PilImage.fromarray(mask))
+    return np.array(picture)
 
 
 def grey(image: Image) -> Image:

@@ -92,7 +92,7 @@ class Film:
         self._stream = self._container.add_stream("libx264", rate=30)
         self._stream.width, self._stream.height, self._stream.pix_fmt = width, height, "yuv420p"
         self._stream.codec_context.time_base = Fraction(1, TICKS)
-        self._stream.options = {"crf": "23", "preset": "veryfast", "tune": "zerolatency", "g": "30"}
+        self._stream.options = {"crf": "23", "preset": "superfast", "tune": "zerolatency", "g": "30"}
 
     def _gap_s(self, time_s: float) -> float:
         gap_s = time_s - self._last_s

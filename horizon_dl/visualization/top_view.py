@@ -24,7 +24,7 @@ _RING_PX = 14
 def draw_top_view(ranges: Ranged, width: int, height: int) -> Image:
     """(height, width, 3): the vehicle at the lower edge looks up; green is free, orange met, grey unknown.
 
-    Where no metres are known, bearings with an obstacle are marked at the rim.
+    Where no metres are known, bearings with an obstacle are marked at the rim, and their ground is not green.
     """
     canvas = PilImage.new("RGB", (width * _FINER, height * _FINER), GROUND)
     draw = ImageDraw.Draw(canvas)
@@ -53,16 +53,16 @@ def _draw_sectors(
     found, far_m = ranges.found, ranges.vehicle.far_m
     bearings = found.bearing_rad.astype(np.float64)
     half = (bearings[-1] - bearings[0]) / max(len(bearings) - 1, 1) / 2 if len(bearings) > 1 else 0.02
-    for bearing, outcome, metres in zip(bearings, found.outcome, found.distance_m, strict=True):
-        start, end = (math.degrees(bearing + turn) - 90 for turn in (-half, half))
-        if outcome == Outcome.UNKNOWN:
-            draw.pieslice(_box(centre, reach), start, end + 0.3, fill=UNKNOWN)
-            continue
-        shown_m = float(metres) if math.isfinite(metres) else far_m
-        radius = reach * min(1.0, shown_m / far_m)
-        draw.pieslice(_box(centre, radius), start, end + 0.3, fill=FREE)
+    sectors = zip(bearings.tolist(), found.outcome.tolist(), found.distance_m.tolist(), strict=True)
+    for bearing, outcome, metres in sectors:
+        shown_m = metres if math.isfinite(metres) else far_m
+        radius = reach if outcome == Outcome.UNKNOWN else reach * min(1.0, shown_m / far_m)
+        # A sector is so narrow that its arc is straight; the next one begins where it ends.
+        rim = [_point(centre, radius, bearing + turn) for turn in (-half, half)]
+        somewhere = outcome == Outcome.OBSTACLE and not ranges.has_metres
+        draw.polygon((centre, *rim), fill=UNKNOWN if outcome == Outcome.UNKNOWN or somewhere else FREE)
         if outcome == Outcome.OBSTACLE and shown_m <= far_m:
-            draw.arc(_box(centre, radius), start, end + 0.3, fill=MET, width=4 * _FINER)
+            draw.line(rim, fill=MET, width=4 * _FINER)
 
 
 def _point(centre: tuple[float, float], radius: float, bearing_rad: float) -> tuple[float, float]:
