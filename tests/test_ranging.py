@@ -12,7 +12,7 @@ from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, directions_to_polar, level_axes, polar_view
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.ranging.contact import ContactDetectorParams, connected_to_horizon, first_contact, first_rise
+from horizon_dl.ranging.contact import ContactDetectorParams, first_contact, first_rise
 from horizon_dl.ranging.free_distance import (
     Outcome,
     RangingParams,
@@ -22,6 +22,8 @@ from horizon_dl.ranging.free_distance import (
     no_distances,
     p_of_entropy,
 )
+from horizon_dl.ranging.in_the_way import connected_to_top
+from horizon_dl.ranging.vehicle_height import CAMERA_ALONE
 
 PINHOLE = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
 RADTAN = Camera("radtan", 160, 120, 120.0, 118.0, 81.0, 60.0, (-0.25, 0.06, 0.001, -0.001, 0.0))
@@ -198,7 +200,7 @@ def test_mats_are_obstacles_but_not_connected_ones() -> None:
     mat = (beyond_2 & ~beyond_3) | wall
     middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
     everything = free_distances(mat, polar, 1.0)
-    connected = free_distances(mat, polar, 1.0, connected_only=True)
+    connected = free_distances(mat, polar, 1.0, vehicle=CAMERA_ALONE)
     np.testing.assert_allclose(everything.distance_m[middle], 2.0, rtol=0.06)
     np.testing.assert_allclose(connected.distance_m[middle], 8.0, rtol=0.12)
 
@@ -208,7 +210,7 @@ def test_connection_may_go_sideways() -> None:
     obstacle[1, 0:6] = True  # a pole up to the horizon
     obstacle[2, 5] = True  # its foot sticks out
     obstacle[3, 8] = True  # a stone
-    connected = connected_to_horizon(obstacle, np.ones_like(obstacle), horizon_rows=1)
+    connected = connected_to_top(obstacle, np.ones_like(obstacle), np.ones(4, np.int64))
     assert connected[2, 5]
     assert not connected[3, 8]
     assert connected.sum() == 7
@@ -310,7 +312,7 @@ def test_connected_only_passes_a_mat_in_p_above() -> None:
     p = noisy_p((beyond_2 & ~beyond_3) | wall, 0.08, 0.4)
     middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
     everything = free_distances_from_p(p, polar, 1.0, floor_p=0.15)
-    connected = free_distances_from_p(p, polar, 1.0, floor_p=0.15, connected_only=True)
+    connected = free_distances_from_p(p, polar, 1.0, floor_p=0.15, vehicle=CAMERA_ALONE)
     assert np.median(everything.distance_m[middle]) == pytest.approx(2.0, rel=0.06)
     assert np.median(connected.distance_m[middle]) == pytest.approx(8.0, rel=0.15)
 

@@ -16,6 +16,7 @@ from horizon_dl.cli.options import (
     add_data,
     add_out,
     add_scheduler,
+    add_vehicle_height,
     open_data,
     positive_int,
     resolve_config,
@@ -30,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_out(parser)
     add_force(parser)
     add_scheduler(parser)
+    add_vehicle_height(parser)
     parser.add_argument(
         "--protocol",
         choices=("tail", "labelled-out", "prequential"),
@@ -38,6 +40,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--seeds", type=positive_int, default=3, metavar="N", help="runs of each learner (default: 3)"
+    )
+    parser.add_argument(
+        "--jobs",
+        type=positive_int,
+        default=1,
+        metavar="N",
+        help="processes; seeds after the first run beside it (default: 1)",
     )
 
 
@@ -68,7 +77,15 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     ):
         log = ComparisonLog(folder, len(split.test), ResultNames(names), flight_rules(config))
         result = compare(
-            recording, config, arguments.protocol, seeds, on_frame=log, progress=True, workers=workers
+            recording,
+            config,
+            arguments.protocol,
+            seeds,
+            on_frame=log,
+            progress=True,
+            workers=workers,
+            jobs=min(arguments.jobs, len(seeds)),
+            vehicle=arguments.vehicle_height,
         )
         save_config(config, folder / "config.yaml")
         write_comparison(folder, f"{recording.name}, {arguments.protocol}", result, log, config)

@@ -10,7 +10,15 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from horizon_dl.cli.options import add_data, add_out, add_scheduler, is_model_file, open_data, say_skipped
+from horizon_dl.cli.options import (
+    add_data,
+    add_out,
+    add_scheduler,
+    add_vehicle_height,
+    is_model_file,
+    open_data,
+    say_skipped,
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_out(parser)
     add_scheduler(parser)
+    add_vehicle_height(parser)
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -48,7 +57,14 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         open_workers(arguments.scheduler) as workers,
     ):
         log = ComparisonLog(folder, labelled, ResultNames(names), flight_rules(trained.config))
-        result = evaluate(trained, recording, on_frame=log, progress=True, workers=workers)
+        result = evaluate(
+            trained,
+            recording,
+            on_frame=log,
+            progress=True,
+            workers=workers,
+            vehicle=arguments.vehicle_height,
+        )
         title = f"{arguments.run_folder.name} on {recording.name}"
         write_comparison(folder, title, result, log, trained.config)
     print(metrics_table(result.metrics))

@@ -18,11 +18,13 @@ from horizon_dl.cli.options import (
     add_autopilot,
     add_given,
     add_values,
+    add_vehicle_height,
     check_autopilot,
     given,
     positive_int,
 )
 from horizon_dl.cli.viewers import add_viewers
+from horizon_dl.ranging.vehicle_height import CAMERA_ALONE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -69,10 +71,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="frames joined (default: the model's, 3, or 1 with recorded attitude)",
     )
+    add_vehicle_height(parser)
     parser.add_argument(
         "--connected-only",
-        action="store_true",
-        help="only obstacles that reach the horizon: no mats, no paint",
+        action="store_const",
+        const=CAMERA_ALONE,
+        dest="vehicle_height",
+        help="the same as --vehicle-height 0,0: only obstacles that reach the horizon",
     )
     add_autopilot(parser)
     parser.add_argument(
@@ -132,7 +137,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     params = settings.params
     frames = arguments.filter or (1 if settings.recorded_attitude else params.filter_frames)
     perception = Perception.of(model, settings.mount_rpy_rad, frames, params)
-    perception.connected_only = arguments.connected_only
+    perception.vehicle = arguments.vehicle_height
     link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
     flight = FlightLoop(perception, link, settings, time.monotonic)
     doubt = said(model.current.card.get("self_assessment"))

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from horizon_dl.cli.console import is_verbose, say
+from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.vehicle.flight_params import FlightParams
 
 if TYPE_CHECKING:
@@ -106,6 +107,31 @@ def add_scheduler(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="Dask cluster for features, forest and scoring (extra `cluster`); `local`: this machine",
     )
+
+
+def add_vehicle_height(parser: argparse.ArgumentParser) -> None:
+    """`--vehicle-height`."""
+    parser.add_argument(
+        "--vehicle-height",
+        type=vehicle_height,
+        metavar="BELOW,ABOVE",
+        help="metres that the vehicle reaches below and above its camera: lower obstacles do not block "
+        "(default: all do); ABOVE counts in measured distances alone",
+    )
+
+
+def vehicle_height(text: str) -> VehicleHeight:
+    """Two lengths in metres.
+
+    Example:
+        >>> vehicle_height("0.3,0.1")
+        VehicleHeight(below_m=0.3, above_m=0.1)
+    """
+    try:
+        below, above = text.split(",")
+        return VehicleHeight(float(below), float(above))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not BELOW,ABOVE in metres, such as 0.3,0.1") from None
 
 
 def add_sign(parser: argparse.ArgumentParser) -> None:

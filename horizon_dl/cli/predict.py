@@ -13,7 +13,15 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import add_data, add_out, given, is_model_file, positive_int, say_skipped
+from horizon_dl.cli.options import (
+    add_data,
+    add_out,
+    add_vehicle_height,
+    given,
+    is_model_file,
+    positive_int,
+    say_skipped,
+)
 
 if TYPE_CHECKING:
     from horizon_dl.data.source import FrameSource
@@ -36,6 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="panels and arrays of every Nth frame (default: so that there are at most 1000)",
     )
+    add_vehicle_height(parser)
     add_out(parser)
 
 
@@ -126,7 +135,7 @@ def _predict(
     frames = islice(source.frames(), arguments.max_frames)
     bar = show_progress(frames, "predict", total=_length(arguments, source), unit="frame")
     with closing(sinks) as sink, stopping(source.stop) as stopped:
-        return log_predictions(predictor, bar, sink, stopped)
+        return log_predictions(predictor, bar, sink, stopped, arguments.vehicle_height)
 
 
 def _lead(page: "Page", predictor: "Predictor", source: "FrameSource") -> str:

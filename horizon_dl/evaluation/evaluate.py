@@ -20,6 +20,7 @@ from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.progress import show_progress
+from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.runtime.predict import check_camera
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.run_folder import Run
@@ -33,10 +34,12 @@ def evaluate(
     on_frame: OnFrame | None = None,
     progress: bool = False,
     workers: Workers = SERIAL,
+    vehicle: VehicleHeight | None = None,
 ) -> Comparison:
     """Score a run folder or a model file, beside the training-free baselines, on every labelled frame.
 
-    Whether those frames were trained on is the caller's affair; `metrics["trained_on"]` names the data.
+    Whether those frames were trained on is the caller's affair; `metrics["trained_on"]` names the data. With
+    a `vehicle` distances are also counted of what is in its way.
 
     Raises:
         InputError: there is no truth, too many frames cannot be used, or the file is for another camera.
@@ -54,7 +57,7 @@ def evaluate(
     }
     readings = _readings(methods, store, labelled, workers)
     bar = show_progress(readings, "evaluate", total=len(labelled), unit="frame", disable=not progress)
-    ranging = RangingBlock(recording.headers, run.config.ranging_params)
+    ranging = RangingBlock(recording.headers, run.config.ranging_params, vehicle)
     watch = watching(ranging, on_frame, learner)
     thresholds, band_rad = {learner: run.threshold}, run.config.labels.band_rad
     found = accumulate(bar, thresholds, band_rad, watch, {learner: run.place})

@@ -7,6 +7,7 @@ from horizon_dl.data.frame import Frame, RangeImage, Truth
 from horizon_dl.geometry.polar import Bearings, directions_to_polar
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.geometry.resize import nearest
+from horizon_dl.ranging.vehicle_height import VehicleHeight
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -65,16 +66,20 @@ def true_obstacles(frame: Frame, range_m: Floats, bearings: Bearings) -> tuple[M
     return known & ((nearest(frame.truth, height, width) != Truth.FLOOR) | behind), known
 
 
-def true_distances(frame: Frame, range_m: Floats, bearings: Bearings) -> Floats:
+def true_distances(
+    frame: Frame, range_m: Floats, bearings: Bearings, vehicle: VehicleHeight | None = None
+) -> Floats:
     """(sectors,) level distance of the nearest obstacle of each bearing, NaN where none was measured.
 
     That is the smallest distance within which lie at least 3 points, and 2 % of the sector's points, that
-    are labelled obstacle and lie below the camera's height: a few points beside an edge are no obstacle.
+    are labelled obstacle and lie below the camera's height: a few points beside an edge are no obstacle. For
+    a vehicle it is what lies as high as it does and is labelled as anything but floor.
 
     Args:
         frame: with truth and attitude.
         range_m: (h, w) of `level_ranges`; the truth is looked up at its pixels' centres.
         bearings: zero is the optical axis.
+        vehicle: how far it reaches below and above the camera; left out: every obstacle below it counts.
 
     Raises:
         ValueError: the frame has no truth or attitude.
@@ -84,7 +89,13 @@ def true_distances(frame: Frame, range_m: Floats, bearings: Bearings) -> Floats:
     height, width = range_m.shape
     sector, depression = _sectors(frame, height, width, bearings)
     labels = nearest(frame.truth, height, width)
-    used = (sector < bearings.count) & (depression > 0) & (labels == Truth.OBSTACLE) & np.isfinite(range_m)
+    if vehicle is None:
+        counts = (depression > 0) & (labels == Truth.OBSTACLE)
+    else:
+        up_m = -range_m * np.tan(depression)
+        in_reach = (up_m >= -vehicle.below_m) & (up_m <= vehicle.above_m)
+        counts = in_reach & (labels != Truth.FLOOR) & (labels != Truth.IGNORE)
+    used = (sector < bearings.count) & counts & np.isfinite(range_m)
     return _smallest_supported(sector[used], range_m[used], bearings.count)
 
 

@@ -20,6 +20,7 @@ from horizon_dl.ranging.free_distance import (
     free_distances,
     free_distances_from_p,
 )
+from horizon_dl.ranging.vehicle_height import CAMERA_ALONE, VehicleHeight
 
 Floats = NDArray[np.float32]
 
@@ -38,7 +39,8 @@ class RangingAccumulator:
     Attributes:
         near_m: the interval's near end, m.
         far_m: its far end, m.
-        connected_only: range the obstacles that reach the horizon, or all.
+        vehicle: range the obstacles that reach up to it; None ranges all.
+        truth_in_reach: let the truth be what is as high as the vehicle; else it is every obstacle.
         bearings: sectors, zero is the optical axis.
         rules: of the ranging.
         relative: errors of the measured bearings as shares of the true distance, frame by frame.
@@ -49,7 +51,8 @@ class RangingAccumulator:
 
     near_m: float = 0.7
     far_m: float = 25.0
-    connected_only: bool = False
+    vehicle: VehicleHeight | None = None
+    truth_in_reach: bool = False
     bearings: Bearings = EVALUATION_BEARINGS
     rules: RangingParams = field(default_factory=RangingParams)
     relative: list[Floats] = field(default_factory=list)
@@ -77,12 +80,12 @@ class RangingAccumulator:
         up_cam = frame.floor_normal
         if up_cam is None or frame.height_m is None or frame.truth is None:
             return None
-        truth_m = true_distances(frame, range_m, self.bearings)
+        truth_m = true_distances(frame, range_m, self.bearings, self.vehicle if self.truth_in_reach else None)
         height, width = found.shape
         directions = camera_rays(frame.calibrated.scaled(width, height)).directions
         polar = polar_view(directions, up_cam, bearings=self.bearings)
         height_m = frame.height_m
-        options: dict[str, Any] = {"connected_only": self.connected_only, "rules": self.rules}
+        options: dict[str, Any] = {"vehicle": self.vehicle, "rules": self.rules}
         if found.dtype == np.bool_:
             distances = free_distances(found.astype(np.bool_), polar, height_m, known=known, **options)
         else:
@@ -145,7 +148,8 @@ class RangingAccumulator:
             **{name: n / columns if columns else None for name, n in zip(names, shares, strict=True)},
             "within_2sd": float(np.mean(within)) if len(within) else None,
             "interval_m": [self.near_m, self.far_m],
-            "connected_only": self.connected_only,
+            "connected_only": self.vehicle == CAMERA_ALONE,
+            "vehicle_height_m": self.vehicle and [self.vehicle.below_m, self.vehicle.above_m],
         }
 
 

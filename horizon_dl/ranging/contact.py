@@ -111,41 +111,22 @@ def first_rise(
     weight = np.full(sectors, rules.prior_rad)
     weighted = weight * level
     total, start = np.zeros(sectors), np.full(sectors, -1)
-    contact, alarm, floor = np.full(sectors, -1), np.full(sectors, -1), np.full(sectors, level)
+    contact, alarm, floor = np.full(sectors, -1), np.full(sectors, -1), weighted / weight
     for row in range(rows - 1, unseen_rows - 1, -1):
         use = seen[:, row] & (contact < 0)
         value = logit[:, row]
-        floor = np.where(contact < 0, weighted / weight, floor)
-        step = np.clip(value - rules.obstacle_level(floor), -LARGEST_LOGIT_STEP, LARGEST_LOGIT_STEP)
+        floor = weighted / weight  # no longer changes where the contact is found
+        over = value - rules.obstacle_level(floor)
+        step = np.minimum(np.maximum(over, -LARGEST_LOGIT_STEP), LARGEST_LOGIT_STEP)
         total = np.where(use, np.maximum(0.0, total + step * row_step_rad), total)
         calm = use & (total == 0)
+        weighted += np.where(calm, value * row_step_rad, 0.0)
+        weight += np.where(calm, row_step_rad, 0.0)
         start = np.where(calm, -1, np.where(use & (start < 0), row, start))
-        weighted = weighted + np.where(calm, value * row_step_rad, 0.0)
-        weight = weight + np.where(calm, row_step_rad, 0.0)
         found = use & (total > rules.alarm_rad)
-        contact, alarm = np.where(found, start, contact), np.where(found, row, alarm)
+        if found.any():
+            contact[found], alarm[found] = start[found], row
     return contact, alarm, floor.astype(np.float32)
-
-
-def connected_to_horizon(obstacle: Mask, seen: Mask, horizon_rows: int) -> Mask:
-    """The obstacle cells from which a path over obstacle cells leads to the horizon.
-
-    Cells that say nothing may be crossed upwards, but count as no obstacle themselves.
-    """
-    passable = obstacle | ~seen
-    reached = obstacle.copy()
-    reached[:, max(1, horizon_rows) :] = False
-    while True:
-        grown = reached.copy()
-        grown[:, 1:] |= reached[:, :-1]
-        grown[:, :-1] |= reached[:, 1:]
-        sideways = grown & obstacle
-        grown[1:] |= sideways[:-1]
-        grown[:-1] |= sideways[1:]
-        grown &= passable
-        if np.array_equal(grown, reached):
-            return reached & obstacle
-        reached = grown
 
 
 def _window_sums(mask: Mask, window: int) -> NDArray[np.int32]:

@@ -17,11 +17,12 @@ from horizon_dl.params import angle_deg, read_params, setting
 from horizon_dl.ranging.contact import (
     ContactDetectorParams,
     Rows,
-    connected_to_horizon,
     first_contact,
     first_rise,
     floor_level,
 )
+from horizon_dl.ranging.in_the_way import in_the_way
+from horizon_dl.ranging.vehicle_height import VehicleHeight
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -45,7 +46,8 @@ class RangingParams:
         extent_rad: height of the window in which obstacle cells must prevail; lower specks are no obstacle,
             lower gaps are bridged.
         share: share of the window's cells that must be obstacle.
-        horizon_rad: a connected obstacle reaches to this close to the horizon.
+        horizon_rad: an obstacle that comes this close to a vehicle's lowest part (that of a vehicle as low as
+            its camera is at the horizon) reaches it.
         unseen_rad: this close to the horizon nothing is asked: there the attitude's error decides the side,
             and every map is unsure.
         cell_share: share of a cell's pixels that make it an obstacle cell; well under a half, for the sake of
@@ -102,7 +104,7 @@ def free_distances(
     height_m: float | None,
     *,
     known: Mask | None = None,
-    connected_only: bool = False,
+    vehicle: VehicleHeight | None = None,
     rules: RangingParams | None = None,
 ) -> FreeDistances:
     """Walk up each bearing from the nearest visible ground to the first obstacle.
@@ -112,7 +114,7 @@ def free_distances(
         polar: the same frame's cells.
         height_m: of the camera over the floor; None or not positive: bearings only, no metres.
         known: (h, w), pixels that say anything; all if left out.
-        connected_only: leave out obstacles that do not reach the horizon (mats, paint).
+        vehicle: leave out obstacles that do not reach up to it (mats, paint); None leaves out none.
         rules: thresholds and error sizes.
 
     Returns:
@@ -124,10 +126,11 @@ def free_distances(
     seen = pixels > 0
     covered = polar.counts(obstacle if known is None else obstacle & known)
     cells = seen & (covered >= rules.cell_share * pixels)
-    if connected_only:
-        cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
     window, unseen = _window_and_unseen(polar, rules)
     contact = first_contact(cells, seen, window, rules.share, unseen)
+    if vehicle is not None:
+        cells = in_the_way(cells, seen, contact, polar, height_m, vehicle, rules.horizon_rad)
+        contact = first_contact(cells, seen, window, rules.share, unseen)
     return _from_contacts(polar, seen, cells, contact, height_m, rules)
 
 
@@ -137,7 +140,7 @@ def free_distances_from_p(
     height_m: float | None,
     *,
     floor_p: float | None = None,
-    connected_only: bool = False,
+    vehicle: VehicleHeight | None = None,
     rules: RangingParams | None = None,
 ) -> FreeDistances:
     """The same from `p_above` itself: the contact is where it rises from the floor's level.
@@ -151,7 +154,7 @@ def free_distances_from_p(
         height_m: see `free_distances`.
         floor_p: `p_above` that the floor usually has (`usual_floor_p`); without it a frame full of wall
             passes for floor.
-        connected_only: see `free_distances`.
+        vehicle: see `free_distances`.
         rules: see `free_distances`.
     """
     rules = rules or RangingParams()
@@ -161,8 +164,8 @@ def free_distances_from_p(
     level = floor_level(logit[:, unseen:], seen[:, unseen:], _usual(floor_p), rules.rise)
     contact, alarm, floor = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
     cells = seen & (logit > rules.rise.obstacle_level(floor)[:, None])
-    if connected_only:
-        cells = connected_to_horizon(cells, seen, _rows(rules.horizon_rad, polar))
+    if vehicle is not None:
+        cells = in_the_way(cells, seen, contact, polar, height_m, vehicle, rules.horizon_rad)
         logit = np.where(cells, logit, np.minimum(logit, floor[:, None]))
         contact, alarm, _ = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
     # A slow rise leaves the contact in doubt by all its length.

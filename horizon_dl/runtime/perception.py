@@ -15,6 +15,7 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, bearings_for, polar_view
 from horizon_dl.ranging.free_distance import FreeDistances, free_distances_from_p, no_distances
 from horizon_dl.ranging.temporal_filter import SectorFilter
+from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.vehicle.flight_params import FlightParams
 
@@ -61,7 +62,7 @@ class Perception:
         judge: asks for the evidence of every frame.
         judged: the last frame, before the filter.
         ranged: the same before evidence was asked for.
-        connected_only: leave out obstacles that do not reach the horizon.
+        vehicle: leave out obstacles that do not reach up to it; None leaves out none.
     """
 
     model: FrameModel
@@ -70,7 +71,7 @@ class Perception:
     bearings: Bearings
     filter: SectorFilter
     judge: Judge
-    connected_only: bool = False
+    vehicle: VehicleHeight | None = None
     judged: Judged | None = None
     ranged: FreeDistances | None = None
 
@@ -133,7 +134,7 @@ class Perception:
             polar,
             height_m,
             floor_p=usual_floor_p(self.model.place, self.model.threshold),
-            connected_only=self.connected_only,
+            vehicle=self.vehicle,
             rules=self.model.rules.ranging,
         )
         self.judge.follow(self.model.place, self.model.rules.evidence)  # a fresh file brings its own

@@ -17,6 +17,7 @@ from horizon_dl.ranging.free_distance import (
     no_distances,
 )
 from horizon_dl.ranging.heading import Heading, free_heading
+from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.rules import FlightRules
 
@@ -78,6 +79,7 @@ def range_frame(
     threshold: float,
     place: Place | None = None,
     rules: FlightRules | None = None,
+    height: VehicleHeight | None = None,
 ) -> Ranged | None:
     """Distances per bearing, and the free heading nearest to the optical axis; None without an attitude.
 
@@ -92,6 +94,7 @@ def range_frame(
         threshold: the learner's entropy threshold, bits.
         place: limits for the evidence; None asks for none, as for nets that are not flown.
         rules: of ranging and evidence; the defaults if left out.
+        height: leave out obstacles that do not reach up to the vehicle; None leaves out none.
 
     Returns:
         None also where the camera looks straight up or down.
@@ -104,8 +107,9 @@ def range_frame(
     except ValueError:
         return None
     rules = rules or FlightRules()
+    floor_p = usual_floor_p(place, threshold)
     found = free_distances_from_p(
-        p_above, polar, frame.height_m, floor_p=usual_floor_p(place, threshold), rules=rules.ranging
+        p_above, polar, frame.height_m, floor_p=floor_p, vehicle=height, rules=rules.ranging
     )
     doubts: tuple[str, ...] = ()
     if place is not None:
@@ -129,11 +133,16 @@ def ranged(
     return Ranged(found, heading, up_cam, vehicle, forward_cam)
 
 
-def ranges_of(frame: Frame, prediction: Prediction) -> Ranged | None:
+def ranges_of(frame: Frame, prediction: Prediction, height: VehicleHeight | None = None) -> Ranged | None:
     """`range_frame` of a prediction; None without camera or attitude."""
     if prediction.directions is None or not prediction.has_attitude:
         return None
-    measures, threshold = prediction.measures, prediction.threshold
     return range_frame(
-        frame, prediction.directions, measures.p_above, threshold, prediction.place, prediction.rules
+        frame,
+        prediction.directions,
+        prediction.measures.p_above,
+        prediction.threshold,
+        prediction.place,
+        prediction.rules,
+        height,
     )
