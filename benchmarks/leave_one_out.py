@@ -50,10 +50,10 @@ VARIANTS = {
     "no pastes": Variant(("train.pastes=0",)),
     "six pastes": Variant(("train.pastes=6",)),
     "plain path costs": Variant(PLAIN),
-    "crops of 128": Variant(("train.crop=128", "train.batch=9", "train.rounds=[150, 100, 200]")),
+    "crops of 128": Variant(("train.crop=128", "train.batch=7")),
     "dropout .5": Variant(("model.dropout=0.5",)),
-    "two rounds": Variant(("train.rounds=[150, 170]",)),
-    "one round": Variant(("train.rounds=[320]",)),
+    "two rounds": Variant(("train.rounds=[150, 400]",)),
+    "one round": Variant(("train.rounds=[550]",)),
 }
 
 Pair = tuple[float, float]

@@ -193,6 +193,9 @@ def test_the_limits_survive_the_card() -> None:
         {"horizon_offset_rad": [0.1, 0.0]},
         {"horizon_offset_rad": [math.nan, 0.1]},
         {"horizon_offset_rad": ["a", "b"]},
+        {"flat": "zz"},
+        {"flat": "00"},
+        {"flat": 3},
     ],
 )
 def test_damaged_limits_are_told(damaged: object) -> None:
@@ -224,6 +227,42 @@ def test_a_card_of_before_falls_back_on_the_threshold() -> None:
     # Binary entropy of .11 is .49992 bits.
     assert usual_floor_p(older, 0.5) == pytest.approx(0.11, abs=1e-3)
     assert usual_floor_p(None, 0.5) == usual_floor_p(older, 0.5)
+
+
+def smoothed(colour: tuple[int, int, int], seed: int = 0) -> np.ndarray:
+    """As a codec leaves it: half of the floor without any change."""
+    image = scene(seed)
+    image[90:][ELEVATION[90:] < 0] = colour
+    return image
+
+
+def place_of_smoothed(colour: tuple[int, int, int]) -> Place:
+    calibration = PlaceCalibration()
+    for seed in range(8):
+        calibration.add(smoothed(colour, seed), ELEVATION, P_ABOVE)
+    found = calibration.place()
+    assert found is not None
+    return Place.from_card(json.loads(json.dumps(found.to_card(), allow_nan=False)))
+
+
+def test_flat_ground_as_in_the_training_pictures_is_not_lost() -> None:
+    brown = place_of_smoothed((108, 90, 70))
+    assert brown.usually_flat(smoothed((108, 90, 70)))[95:].all()
+    for filled in ((128, 128, 128), (0, 135, 0), (0, 0, 0), (255, 255, 255)):
+        assert not brown.usually_flat(smoothed(filled))[95:].any()
+    assert place().flat is not None
+    assert not place().usually_flat(smoothed((108, 90, 70))).any()  # never flat there
+
+
+@pytest.mark.parametrize("colour", [(0, 0, 0), (5, 15, 9), (255, 255, 255), (241, 250, 255)])
+def test_no_light_and_too_much_are_never_usual(colour: tuple[int, int, int]) -> None:
+    assert not place_of_smoothed(colour).usually_flat(smoothed(colour)).any()
+
+
+def test_a_card_of_before_knows_of_no_flat_ground() -> None:
+    older = Place.from_card({key: value for key, value in place().to_card().items() if key != "flat"})
+    assert older.flat is None
+    assert not older.usually_flat(smoothed((108, 90, 70))).any()
 
 
 def test_no_picture_with_a_horizon_gives_no_limits() -> None:

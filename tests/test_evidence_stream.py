@@ -123,6 +123,17 @@ def test_lost_and_unfamiliar_sectors_are_taken_back_alone() -> None:
     assert judge.sectors[str(Reason.LOST)] == found.sectors[Reason.LOST] > 0
 
 
+def test_smoothed_ground_as_in_training_keeps_its_sectors() -> None:
+    known = place()
+    wide = replace(known, low=tuple(np.array(known.low) - 99), high=tuple(np.array(known.high) + 99))
+    image = scene()
+    image[90:] = (104, 88, 72)
+    flat = np.zeros((16, 16, 16), bool)
+    flat[104 // 16, 88 // 16, 72 // 16] = True
+    assert judged(Judge(CAMERA, wide), 0.0, image).sectors[Reason.LOST] > 20
+    assert Reason.LOST not in judged(Judge(CAMERA, replace(wide, flat=flat)), 0.0, image).sectors
+
+
 def test_known_doubts_hold_whatever_the_picture_shows() -> None:
     judge = Judge(CAMERA, place())
     polar = polar_view(RAYS, UP, bearings=BEARINGS)

@@ -135,8 +135,10 @@ class Judge:
         ]
         if not any(reasons):
             reasons.append(self._offset_problem(time_s, p_above, elevation))
-        lost = lost_pixels(small)
-        unfamiliar = None if self.place is None else self.place.unfamiliar(small)
+        lost, unfamiliar = lost_pixels(small), None
+        if self.place is not None:
+            lost &= ~self.place.usually_flat(small)
+            unfamiliar = self.place.unfamiliar(small)
         gone, strange = sectors_without_evidence(found, polar, lost, unfamiliar, self.limits)
         taken = {Reason.LOST: int(gone.sum()), Reason.FLOOR: int((strange & ~gone).sum())}
         return Judged(

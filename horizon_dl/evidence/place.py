@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from horizon_dl.evidence.appearance import FEATURES, LEAST_RANGE, appearance
 from horizon_dl.evidence.horizon_offset import horizon_offset
 from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
+from horizon_dl.evidence.sectors import lost_pixels
 from horizon_dl.ranging.contact import ContactDetectorParams
 from horizon_dl.ranging.free_distance import p_of_entropy
 
@@ -20,6 +21,8 @@ LEVELS = 16
 """Of each channel; a colour is familiar if it or a neighbour among 16 x 16 x 16 was seen."""
 RARE = 5e-5
 """Share of the training pixels below which a colour counts as never seen."""
+OFTEN = 1e-3
+"""Share of the training pixels from which on a colour is a usual one of flat ground. Not picked on data."""
 LOG_RANGE = (-2.0, 8.0)
 """All that the logarithms of changes in grey levels can be."""
 UNSEEN_RAD = float(np.deg2rad(1.0))
@@ -41,6 +44,8 @@ class Place:
             before it was kept.
         offset_rad: between the horizons of net and attitude on them, least and greatest without a twentieth
             of the pictures on either side; None as of `floor_p`.
+        flat: (16, 16, 16) bool, colours that ground without any change from pixel to pixel often had, as in
+            films that a codec has smoothed; never black or white. None as of `floor_p`.
     """
 
     low: tuple[float, ...]
@@ -50,6 +55,7 @@ class Place:
     horizon_accuracy: float
     floor_p: float | None = None
     offset_rad: tuple[float, float] | None = None
+    flat: NDArray[np.bool_] | None = None
 
     def strangeness(self, features: NDArray[np.floating]) -> tuple[float, str]:
         """How far a picture lies outside of the ranges, in ranges, and by which feature; 0 inside.
@@ -79,8 +85,11 @@ class Place:
 
     def unfamiliar(self, image: NDArray[np.uint8]) -> NDArray[np.bool_]:
         """(h, w) pixels of colours that were not seen below the horizon."""
-        red, green, blue = np.moveaxis(image // (256 // LEVELS), -1, 0)
-        return np.asarray(~self.colours[red, green, blue])
+        return ~_looked_up(self.colours, image)
+
+    def usually_flat(self, image: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """(h, w) pixels of colours of which flat ground is nothing new."""
+        return np.zeros(image.shape[:2], np.bool_) if self.flat is None else _looked_up(self.flat, image)
 
     def to_card(self) -> dict[str, Any]:
         """Ready for JSON."""
@@ -91,7 +100,8 @@ class Place:
             "floor_p": self.floor_p,
             "horizon_offset_rad": None if self.offset_rad is None else list(self.offset_rad),
             "ranges": {name: [a, b] for name, a, b in zip(FEATURES, self.low, self.high, strict=True)},
-            "colours": np.packbits(self.colours).tobytes().hex(),
+            "colours": _to_hex(self.colours),
+            "flat": None if self.flat is None else _to_hex(self.flat),
         }
 
     @classmethod
@@ -106,21 +116,21 @@ class Place:
         try:
             pairs = [card["ranges"][name] for name in FEATURES]
             ranges = np.array([[float(value) for value in pair] for pair in pairs])
-            bits = np.unpackbits(np.frombuffer(bytes.fromhex(card["colours"]), np.uint8))
+            colours = _from_hex(card["colours"])
+            flat = None if card.get("flat") is None else _from_hex(card["flat"])
             frames, accuracy = int(card["frames"]), float(card["horizon_accuracy"])
             floor_p = None if card.get("floor_p") is None else float(card["floor_p"])
             offset = card.get("horizon_offset_rad")
             offset = None if offset is None else (float(offset[0]), float(offset[1]))
         except (LookupError, TypeError, ValueError):
             raise ValueError("has damaged evidence limits") from None
-        good = ranges.shape == (len(FEATURES), 2) and bits.size == LEVELS**3 and np.isfinite(ranges).all()
+        good = ranges.shape == (len(FEATURES), 2) and np.isfinite(ranges).all()
         good = good and 0 <= accuracy <= 1 and (floor_p is None or 0 <= floor_p <= 1)
         good = good and (offset is None or -np.pi <= offset[0] <= offset[1] <= np.pi)
         if not good or (ranges[:, 0] > ranges[:, 1]).any() or frames < 1:
             raise ValueError("has damaged evidence limits")
-        colours = bits.astype(np.bool_).reshape(LEVELS, LEVELS, LEVELS)
         low, high = ranges.T.tolist()
-        return cls(tuple(low), tuple(high), colours, frames, accuracy, floor_p, offset)
+        return cls(tuple(low), tuple(high), colours, frames, accuracy, floor_p, offset, flat)
 
 
 @dataclass
@@ -138,6 +148,7 @@ class PlaceCalibration:
     _floors: list[float] = field(default_factory=list)
     _offsets: list[float] = field(default_factory=list)
     _counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(LEVELS**3, np.int64))
+    _flat: NDArray[np.int64] = field(default_factory=lambda: np.zeros(LEVELS**3, np.int64))
 
     def add(
         self, image: NDArray[np.uint8], elevation: NDArray[np.floating], p_above: NDArray[np.floating]
@@ -148,9 +159,9 @@ class PlaceCalibration:
         ground = p_above[elevation < -UNSEEN_RAD]
         if ground.size:
             self._floors.append(float(np.percentile(ground, self.contact.floor_percentile)))
-        below = image[elevation < 0] // (256 // LEVELS)
-        index = (below[:, 0].astype(np.int64) * LEVELS + below[:, 1]) * LEVELS + below[:, 2]
-        self._counts += np.bincount(index, minlength=LEVELS**3)
+        below = elevation < 0
+        self._counts += _colour_counts(image[below])
+        self._flat += _colour_counts(image[below & lost_pixels(image)])
 
     def place(self) -> Place | None:
         """What was collected; None without a picture that shows both sides of the horizon."""
@@ -169,7 +180,13 @@ class PlaceCalibration:
             float(np.nanmean(features[:, FEATURES.index("horizon_accuracy")])),
             float(np.median(self._floors)) if self._floors else None,
             (float(np.nanpercentile(self._offsets, 5)), float(np.nanpercentile(self._offsets, 95))),
+            self._usually_flat(),
         )
+
+    def _usually_flat(self) -> NDArray[np.bool_]:
+        flat: NDArray[np.bool_] = (self._flat > OFTEN * self._counts.sum()).reshape(LEVELS, LEVELS, LEVELS)
+        flat[0, 0, 0] = flat[-1, -1, -1] = False  # what overflows or gets no light shows nothing
+        return flat
 
 
 def usual_floor_p(place: Place | None, threshold: float) -> float:
@@ -181,6 +198,27 @@ def usual_floor_p(place: Place | None, threshold: float) -> float:
     """
     known = None if place is None else place.floor_p
     return p_of_entropy(threshold) if known is None else known
+
+
+def _looked_up(table: NDArray[np.bool_], image: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    red, green, blue = np.moveaxis(image // (256 // LEVELS), -1, 0)
+    return np.asarray(table[red, green, blue])
+
+
+def _colour_counts(pixels: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """(4096,) how many of the (n, 3) pixels have each colour."""
+    red, green, blue = (pixels // (256 // LEVELS)).astype(np.int64).T
+    return np.asarray(np.bincount((red * LEVELS + green) * LEVELS + blue, minlength=LEVELS**3))
+
+
+def _to_hex(table: NDArray[np.bool_]) -> str:
+    return np.packbits(table).tobytes().hex()
+
+
+def _from_hex(text: str) -> NDArray[np.bool_]:
+    """ValueError for one of another size."""
+    bits = np.unpackbits(np.frombuffer(bytes.fromhex(text), np.uint8))
+    return np.asarray(bits.astype(np.bool_).reshape(LEVELS, LEVELS, LEVELS))
 
 
 def with_neighbours(seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
