@@ -1,6 +1,7 @@
 """Frames with times of their own meet a log of attitudes: the two clocks, and what is said about them."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from horizon_dl.calibration.calibration import Calibration
@@ -9,6 +10,8 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.errors import InputError
 
+LEAST_UNIX_S = 5e8
+"""Larger times, s, count from 1970."""
 OVERLAP_SHARE = 0.5
 """Under this share of the frames inside the log, the ranges are a warning."""
 
@@ -40,6 +43,7 @@ def headers_by_log(
     mount = calibration.mount_rpy_rad
     if isinstance(log, ConstantAttitude):
         return [log.header(name, time_s, mount) for name, time_s in pairs], None, ()
+    log = _since_1970(log, times_s)
     moved = log.on_clock(given.time_offset_s, given.time_drift_ppm)
     ranges = describe_ranges(times_s, moved)
     inside = sum(moved.times_s[0] <= time_s <= moved.times_s[-1] for time_s in times_s)
@@ -54,6 +58,15 @@ def headers_by_log(
         else (f"Only {inside} of {len(names)} frames lie inside the log; {suggestion(times_s, log)}.",)
     )
     return headers, moved, (f"Clocks: {ranges}.", *few, *log.notes)
+
+
+def _since_1970(log: AttitudeLog, times_s: Sequence[float]) -> AttitudeLog:
+    """The log by the time that its GPS told, where the frames count from 1970 and the log does not."""
+    if log.unix_start_s is None or min(times_s) < LEAST_UNIX_S or log.times_s[0] > LEAST_UNIX_S:
+        return log
+    offset_s = log.unix_start_s - float(log.times_s[0])
+    note = f"The log's times are put to those since 1970 by its GPS, {offset_s:+.3f} s."
+    return replace(log.on_clock(offset_s), notes=(*log.notes, note))
 
 
 def describe_ranges(times_s: Sequence[float], log: AttitudeLog) -> str:
@@ -78,7 +91,7 @@ def suggestion(times_s: Sequence[float], log: AttitudeLog) -> str:
         if film > 0 and 0.2 < span / film < 5.0:
             return f"the log's times look like {unit}: divide them by {1 / factor:.0f}"
     offset_s = min(times_s) - log.times_s[0]
-    clock = " (it counts from 1970)" if log.times_s[0] > 5e8 else " (it counts from boot)"
+    clock = " (it counts from 1970)" if log.times_s[0] > LEAST_UNIX_S else " (it counts from boot)"
     return (
         f"the log is on another clock{clock}: if both start together give --time-offset={offset_s:.3f}, "
         "or --time-offset=auto to find it from the pictures"

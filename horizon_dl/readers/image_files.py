@@ -66,7 +66,15 @@ def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Giv
     if log.shutter is not None and at_shutter is not None:
         log, times_s = log.shutter, at_shutter
     names = [one.name for one in paths]
-    headers, moved, notes = headers_by_log(path, names, times_s.tolist(), calibration, log, given)
+    try:
+        headers, moved, notes = headers_by_log(path, names, times_s.tolist(), calibration, log, given)
+    except InputError as error:
+        if log.shutter is None:
+            raise
+        taken = (
+            f"holds {len(paths)} pictures, and the log tells of {len(log.shutter.times_s)} that were taken"
+        )
+        raise InputError(path, f"{taken}; they {error.args[1].removeprefix('and its log ')}", error.args[2]) from None
     return replace(
         image_recording(
             path.resolve().name,

@@ -32,7 +32,7 @@ EXPOSURE = ("Exposure time[nanosec]", "Frame readout time[nanosec]")
 def recognises(path: Path) -> bool:
     """Whether it is such a folder, or the film in one."""
     folder = path if path.is_dir() else path.parent
-    named = path.is_dir() or path.name == FILM
+    named = path.is_dir() or path.name.lower() == FILM
     return named and all((folder / name).is_file() for name in (FILM, INERTIAL, STAMPS))
 
 
@@ -103,12 +103,15 @@ def _late_s(folder: Path) -> float:
 def _own_camera(folder: Path, film: Path) -> Calibration:
     """A pinhole with the focal length that the app states, its centre in the middle."""
     path = folder / METADATA
+    if not path.is_file():
+        raise InputError(path, "is missing", "restore it, or give the camera with --camera")
     rows = read_table(path, ("fx[px]", "fy[px]"))
     fx, fy = (column(path, rows, name) for name in ("fx[px]", "fy[px]"))
-    if not (np.isfinite(fx).any() and np.isfinite(fy).any()):
+    fx, fy = fx[np.isfinite(fx) & (fx > 0)], fy[np.isfinite(fy) & (fy > 0)]
+    if not (len(fx) and len(fy)):
         raise InputError(path, "tells no focal length", "give the camera with --camera")
     frame = first_frame(film)
     across = round((frame.rotation or 0) / 90) % 2 == 1
     width, height = (frame.height, frame.width) if across else (frame.width, frame.height)
-    focal = float(np.nanmedian(fx)), float(np.nanmedian(fy))
+    focal = float(np.median(fx)), float(np.median(fy))
     return Calibration(Camera("pinhole", width, height, *focal, (width - 1) / 2, (height - 1) / 2))

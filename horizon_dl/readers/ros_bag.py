@@ -16,13 +16,13 @@ from horizon_dl.data.convention import Convention, Reading, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.source import Recording
-from horizon_dl.errors import InputError
+from horizon_dl.errors import FrameError, InputError
 from horizon_dl.logs.attitude_logs.registry import read_attitude
 from horizon_dl.logs.bags.camera_info import camera_of, info_topic
-from horizon_dl.logs.bags.choose import check_named, first_message, image_topic, up_series
+from horizon_dl.logs.bags.choose import Series, check_named, image_topic, up_series
 from horizon_dl.logs.bags.files import bag_files
 from horizon_dl.logs.bags.loader import BagLoader, Place, placed
-from horizon_dl.logs.bags.messages import NANOSECOND, stamp_of
+from horizon_dl.logs.bags.messages import NANOSECOND, decoder, stamp_of
 from horizon_dl.logs.bags.mounted import Mounted, mounted
 from horizon_dl.logs.bags.pixels import bits_of, picture
 from horizon_dl.logs.bags.storage import Bag, Topic
@@ -32,6 +32,12 @@ from horizon_dl.logs.log_recording import headers_by_log
 Floats = NDArray[np.float64]
 
 NAME = "ros_bag"
+LOOKED_AT = 16
+"""Pictures that tell how many bits a camera uses."""
+MOST_BROKEN = 100
+"""First pictures that may be broken before the topic is given up."""
+CLOCKS_APART_S = 0.3
+"""Pictures arrive later than attitudes, but seldom by so much."""
 NEEDS = "a ROS bag (.bag, .db3, .mcap, or the folder of one) with pictures"
 
 
@@ -49,11 +55,11 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     bag = Bag(path)
     check_named(bag, given.topics)
     images = image_topic(bag, given.topics)
-    first = first_message(bag, images)
     places, stamps, frame, headless = _places(bag, images)
+    shape, bits = _looked_at(bag, images)
     arrivals = np.array([place.arrival_ns * NANOSECOND for place in places])
     times = arrivals if headless else stamps
-    calibration, notes = _calibration(bag, images, frame, picture(first, images.name).shape, given)
+    calibration, notes = _calibration(bag, images, frame, shape, given)
     turns = 0 if calibration is None else calibration.rotate_quarter_turns_ccw
     order = np.argsort(times, kind="stable")
     headers = [FrameHeader(f"{n:06d}", float(times[k])) for n, k in enumerate(order)]
@@ -67,7 +73,7 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
         reading = reading_with(Convention(), calibration.mount_rpy_rad)
         notes = (*notes, *said)
     elif calibration is not None:
-        found = _attitude(bag, frame, calibration, times, headless, given)
+        found = _attitude(bag, frame, calibration, stamps, arrivals, headless, given)
         if found is not None:
             if found.by_arrival and not headless:
                 times = arrivals
@@ -79,10 +85,10 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     if given.needs_attitude and all(header.up_cam is None for header in headers):
         raise InputError(
             path,
-            "holds no attitude at the times of its pictures",
-            "record an Imu, Odometry or tf with them, or give --attitude FILE or from-images",
+            "holds no attitude that changes at the times of its pictures",
+            "record an Imu, Odometry or tf, or give --attitude FILE, constant:ROLL,PITCH or from-images",
         )
-    load = BagLoader(path, images.name, tuple(places[k] for k in order), bits_of(first), turns)
+    load = BagLoader(path, images.name, tuple(places[k] for k in order), bits, turns)
     camera = None if calibration is None else calibration.camera
     said_first = (f"pictures of {images.name}", *notes)
     return Recording(
@@ -102,6 +108,31 @@ def _places(bag: Bag, topic: Topic) -> tuple[list[Place], Floats, str, bool]:
     return places, np.array(stamps), frame, not all(stamp > 0 for stamp in stamps)
 
 
+def _looked_at(bag: Bag, topic: Topic) -> tuple[tuple[int, ...], int]:
+    """Shape of the pictures, and the bits that they use, by some of them over the whole bag.
+
+    Raises:
+        InputError: none of them can be read.
+    """
+    decode, step = decoder(bag, topic), max(1, topic.count // LOOKED_AT)
+    shape: tuple[int, ...] | None = None
+    bits, problem = 8, FrameError(topic.name, "holds no picture", "copy the bag again")
+    for number, (_, payload) in enumerate(bag.messages(topic)):
+        if number % step and shape is not None:
+            continue
+        try:
+            message = decode(payload)
+            shape = shape or picture(message, f"{bag.path}: {topic.name}").shape
+            bits = max(bits, bits_of(message))
+        except FrameError as error:
+            problem = error
+        if number > MOST_BROKEN and shape is None:
+            break
+    if shape is None:
+        raise problem
+    return shape, bits
+
+
 def _calibration(
     bag: Bag, images: Topic, frame: str, shape: tuple[int, ...], given: Given
 ) -> tuple[Calibration | None, tuple[str, ...]]:
@@ -118,15 +149,23 @@ def _calibration(
 
 
 def _attitude(
-    bag: Bag, frame: str, calibration: Calibration, times: Floats, headless: bool, given: Given
+    bag: Bag,
+    frame: str,
+    calibration: Calibration,
+    stamps: Floats,
+    arrivals: Floats,
+    headless: bool,
+    given: Given,
 ) -> Mounted | None:
     """What tells the attitude, by the headers' stamps, else by arrival where the two clocks never meet."""
     tree = read_transforms(bag)
     series = up_series(bag, tree, frame, given.topics, headless)
     if series is None:
         return None
+    times = arrivals if headless else stamps
     first, last = (stamp + given.time_offset_s for stamp in series.span_s)
     by_arrival = headless or last < times.min() or first > times.max()
+    said = _clock_notes(by_arrival, float(np.median(arrivals - stamps)), series)
     if by_arrival and not headless:
         series = up_series(bag, tree, frame, given.topics, arrivals=True)
     if series is None:
@@ -137,4 +176,16 @@ def _attitude(
         if given.needs_attitude:
             raise
         return None
-    return replace(found, by_arrival=by_arrival)
+    return replace(found, by_arrival=by_arrival, notes=(*found.notes, *said))
+
+
+def _clock_notes(by_arrival: bool, late_s: float, series: Series) -> tuple[str, ...]:
+    """What is to be known of the two clocks; `late_s` is from the pictures' stamps to their arrival."""
+    if by_arrival:
+        return ("pictures and attitudes are paired by their times of arrival: their stamps never meet",)
+    if series.late_s is None or abs(late_s - series.late_s) < CLOCKS_APART_S:
+        return ()
+    return (
+        f"by the times of arrival the pictures' stamps are {series.late_s - late_s:+.1f} s against those of "
+        f"{series.topic}: one clock may be wrong, --time-offset=auto finds it from the pictures",
+    )

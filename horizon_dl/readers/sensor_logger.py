@@ -10,10 +10,12 @@ from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs import sensor_logger
 from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.readers import image_files
 from horizon_dl.readers.film import SUFFIXES, camera_beside, film_recording, films_in
 
 NAME = "sensor_logger"
-NEEDS = "Sensor Logger's folder with Gravity.csv and a film in Camera, with --camera"
+CAMERA = "Camera"
+NEEDS = "Sensor Logger's folder with Gravity.csv and a film or pictures in Camera, with --camera"
 LATE = (
     "The film's name is when the recording was asked for; its pictures begin up to a second later: "
     "--time-offset=auto finds it."
@@ -21,18 +23,23 @@ LATE = (
 
 
 def recognises(path: Path) -> bool:
-    """Whether it is an export's folder with a film, or the film in one."""
+    """Whether it is an export's folder with a film or pictures, or the film in one."""
     folder = _folder(path)
-    return folder is not None and (path.suffix.lower() in SUFFIXES or bool(_films(folder)))
+    return folder is not None and (
+        path.suffix.lower() in SUFFIXES or (path.is_dir() and bool(_films(folder) or _pictures(folder)))
+    )
 
 
 def read(path: Path, given: Given) -> Recording:
-    """The film with the rear camera's own attitude, unless --attitude names another one.
+    """The film, or the pictures, with the rear camera's own attitude, unless --attitude names another one.
 
     Raises:
         InputError: there is no film, --camera is missing, or a table is wrong.
     """
     folder = _folder(path)
+    if folder is not None and path.is_dir() and not _films(folder) and _pictures(folder):
+        pictures = replace(given, attitude=given.attitude or str(folder))
+        return replace(image_files.read(folder / CAMERA, pictures), name=folder.resolve().name)
     films = [path] if path.is_file() else [] if folder is None else _films(folder)
     if folder is None or not films:
         raise InputError(path, "has no film in Camera", "record with the camera on")
@@ -59,4 +66,8 @@ def _folder(path: Path) -> Path | None:
 
 
 def _films(folder: Path) -> list[Path]:
-    return [film for place in (folder / "Camera", folder) if place.is_dir() for film in films_in(place)]
+    return [film for place in (folder / CAMERA, folder) if place.is_dir() for film in films_in(place)]
+
+
+def _pictures(folder: Path) -> list[Path]:
+    return image_files.picture_paths(folder / CAMERA) if (folder / CAMERA).is_dir() else []

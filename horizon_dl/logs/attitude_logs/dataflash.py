@@ -18,7 +18,9 @@ from horizon_dl.errors import InputError
 NAME = "dataflash"
 NEEDS = "ArduPilot's log, .bin or .log"
 MARKER = b"\xa3\x95"
-WANTED = ["ATT", "CAM", "TRIG", "RFND", "GPS"]
+WANTED = ["ATT", "AHR2", "CAM", "TRIG", "RFND", "GPS"]
+ANGLES = (("Roll", "Pitch", "Yaw"), ("R", "P", "Y"))
+"""Names of angles in degrees; CAM and TRIG have the shorter ones since 4.3."""
 GPS_EPOCH_S = 315964800
 MOST_TOLD = 100_000
 LEAP_SECONDS = 18
@@ -44,15 +46,19 @@ def read(path: Path) -> AttitudeLog:
     with _overheard() as told:
         rows = _rows(path, DFReader)
     times_s, angles = _attitudes(rows["ATT"])
+    notes: tuple[str, ...] = ()
+    if not len(times_s):
+        times_s, angles = _attitudes(rows["AHR2"])
+        notes = ("The log has no ATT: the attitude is that of AHR2, the autopilot's second estimate.",)
     if not len(times_s):
         raise InputError(path, "holds no ATT message", "set LOG_BITMASK to log the attitude")
     log = log_of_angles(times_s, angles, _heights(rows["RFND"], times_s))
-    cameras = rows["CAM"] or rows["TRIG"]
-    taken_s, taken = _attitudes(cameras)
+    taken_s, taken = _attitudes(rows["CAM"])
+    if not len(taken_s):
+        taken_s, taken = _attitudes(rows["TRIG"])
     shutter = log_of_angles(taken_s, taken) if len(taken_s) else None
-    notes = (
-        ("The log is damaged in places; the rest is used.",) if any("bad header" in t for t in told) else ()
-    )
+    if any("bad header" in line for line in told):
+        notes = (*notes, "The log is damaged in places; the rest is used.")
     return AttitudeLog(
         log.times_s,
         log.quaternions,
@@ -118,7 +124,8 @@ def _advancing(reader: Any) -> Any:
 
 def _attitudes(messages: list[Any]) -> tuple[Floats, Floats]:
     """Times (N,) s and angles (N, 3) rad."""
-    values = _numbers(messages, ("TimeUS", "Roll", "Pitch", "Yaw"))
+    found = [_numbers(messages, ("TimeUS", *names)) for names in ANGLES]
+    values = max(found, key=len)
     return values[:, 0] * 1e-6, np.deg2rad(values[:, 1:])
 
 

@@ -38,13 +38,22 @@ def log_of_inertial(
     forces = np.stack([np.interp(times_s, accelerometer[0], axis) for axis in accelerometer[1].T], axis=-1)
     rates, forces = rates @ frd_from_imu.T, forces @ frd_from_imu.T
     rates = rates - _bias(times_s, rates, forces, gimbal)
-    start_from_body = turned(times_s, rates)
-    ups = around(times_s, np.einsum("nij,nj->ni", start_from_body, forces))
-    angles = angles_of_ups(np.einsum("nji,nj->ni", start_from_body, ups))
+    angles = angles_of_ups(_ups(times_s, rates, forces))
     roll, pitch = angles[:, 0], angles[:, 1]
     turning = (rates[:, 1] * np.sin(roll) + rates[:, 2] * np.cos(roll)) / np.maximum(np.cos(pitch), 0.1)
     angles[1:, 2] = np.cumsum((turning[1:] + turning[:-1]) / 2 * np.diff(times_s))
     return log_of_angles(times_s, angles)
+
+
+def ups_of_inertial(times_s: Floats, rates: Floats, forces: Floats) -> Floats:
+    """(N, 3) up, not of unit length, in the IMU's own axes, whatever they are; arguments as above, (N, 3)."""
+    return _ups(times_s, rates - _bias(times_s, rates, forces, False), forces)
+
+
+def _ups(times_s: Floats, rates: Floats, forces: Floats) -> Floats:
+    start_from_body = turned(times_s, rates)
+    ups = around(times_s, np.einsum("nij,nj->ni", start_from_body, forces))
+    return np.asarray(np.einsum("nji,nj->ni", start_from_body, ups))
 
 
 def _bias(times_s: Floats, rates: Floats, forces: Floats, gimbal: bool) -> Floats:

@@ -19,6 +19,7 @@ from horizon_dl.logs.attitude_logs import (
 )
 
 HEAD_BYTES = 4096
+BINARY = {".ulg": "a PX4 log", ".bin": "an ArduPilot log"}
 
 
 class LogKind(Protocol):
@@ -73,6 +74,8 @@ def read_attitude_log(path: Path, units: Given = NOTHING_GIVEN) -> AttitudeLog:
     for kind in KINDS:
         if kind.recognises(path, head):
             return kind.read(path)
+    if path.suffix.lower() in BINARY:
+        raise InputError(path, f"does not begin as {BINARY[path.suffix.lower()]} does", "copy it again")
     if path.is_dir():
         needs = "; ".join([kind.NEEDS for kind in KINDS] + [csv_table.NEEDS])
         raise InputError(path, "is a folder, and no app's export", f"needed is one of: {needs}")

@@ -12,6 +12,8 @@ from horizon_dl.logs.attitude_logs.phone_axes import frd_from_phone
 
 NAME = "sensor_logger"
 NEEDS = "Sensor Logger's export: its folder or Gravity.csv"
+TABLES = ({"x", "y", "z"}, {"qw", "qx", "qy", "qz"})
+"""Columns of gravity, forces and rates, and of Orientation.csv: its axes differ by system, it is not used."""
 GRAVITY, ACCELERATION, GYROSCOPE = "Gravity.csv", "TotalAcceleration.csv", "Gyroscope.csv"
 
 
@@ -20,7 +22,7 @@ def recognises(path: Path, head: bytes) -> bool:
     if path.is_dir():
         return (path / GRAVITY).is_file() or (path / ACCELERATION).is_file()
     columns = {name.strip() for name in head.split(b"\n", 1)[0].decode("utf-8", "replace").split(",")}
-    return {"time", "seconds_elapsed", "x", "y", "z"} <= columns
+    return {"time", "seconds_elapsed"} <= columns and any(names <= columns for names in TABLES)
 
 
 def read(path: Path) -> AttitudeLog:
@@ -51,7 +53,10 @@ def _sign(folder: Path) -> tuple[float, tuple[str, ...]]:
     """-1 where the system lets gravity point down (iOS, unless its units were made standard), else 1."""
     metadata = folder / "Metadata.csv"
     if not metadata.is_file():
-        note = "No Metadata.csv: taken as Android's axes; if the horizon stands on its head, it was iOS."
+        note = (
+            "No Metadata.csv: taken as Android's axes. Of iOS they would give the pitch the wrong sign: "
+            "check the horizon in the pictures."
+        )
         return 1.0, (note,)
     row = read_table(metadata, ("platform",))[0]
     apple = row["platform"].lower().startswith(("ios", "iphone", "ipad"))

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.logs.bags.frames import is_world, points_down
 from horizon_dl.logs.bags.messages import NANOSECOND, decoder, frame_name, header_of
 from horizon_dl.logs.bags.storage import Bag, Topic
 
@@ -32,6 +33,7 @@ class Orientations:
         rates: (N, 3) rad/s and `forces` (N, 3) m/s^2, of an IMU; else None.
         forces: see above.
         up_world: (3,) in the world of the quaternions.
+        z_down: the frame's own axes are forward, right, down, as those of PX4 and of IMUs in such a world.
     """
 
     topic: str
@@ -43,6 +45,7 @@ class Orientations:
     rates: Floats | None = None
     forces: Floats | None = None
     up_world: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    z_down: bool = False
 
     @property
     def known(self) -> bool:
@@ -76,10 +79,11 @@ KINDS: dict[str, Getter] = {
 def read_orientations(bag: Bag, topic: Topic) -> Orientations:
     """All of a topic's attitudes; some may be unknown."""
     get, decode = KINDS[topic.kind], decoder(bag, topic)
-    is_imu, rows, frame = topic.kind == IMU, [], ""
+    is_imu, rows, frame, world = topic.kind == IMU, [], "", ""
     for arrival_ns, payload in bag.messages(topic):
         message = decode(payload)
         quaternion, frame = oriented(message, get)
+        world = world_of(message)
         felt = (*_xyz(message.angular_velocity), *_xyz(message.linear_acceleration)) if is_imu else ()
         rows.append((arrival_ns * NANOSECOND, header_of(message)[0], *quaternion, *felt))
     table = np.array(rows, np.float64).reshape(len(rows), -1 if rows else 12)
@@ -88,22 +92,34 @@ def read_orientations(bag: Bag, topic: Topic) -> Orientations:
     found = Orientations(
         topic.name,
         topic.kind,
-        frame_name(frame),
+        frame,
         table[:, 0],
         table[:, by],
         _unit(table[:, 2:6]),
         table[:, 6:9] if is_imu else None,
         _in_m_s2(table[:, 9:12]) if is_imu else None,
-        (0.0, 0.0, -1.0) if topic.kind in PX4 else (0.0, 0.0, 1.0),
+        (0.0, 0.0, -1.0) if topic.kind in PX4 or points_down(world) else (0.0, 0.0, 1.0),
+        topic.kind in PX4 or points_down(world),
     )
     return _with_checked_world(found) if is_imu and found.known else found
 
 
 def oriented(message: Any, get: Getter) -> tuple[tuple[float, ...], str]:
-    """Quaternion (w, x, y, z) and frame of a message; zeros where an IMU says that it knows none."""
+    """Quaternion (w, x, y, z) and frame of a message; zeros where an IMU says that it knows none.
+
+    A header that names a world says in which world something is turned, not what: the frame is the body's
+    then, "". A child that is a world is turned in something else, which tells nothing: zeros.
+    """
     quaternion, frame = get(message)
+    frame = frame_name(frame)
     covariance = getattr(message, "orientation_covariance", (0.0,))
-    return (0.0, 0.0, 0.0, 0.0) if covariance[0] == -1 else quaternion, frame
+    nothing = covariance[0] == -1 or (hasattr(message, "child_frame_id") and is_world(frame))
+    return (0.0, 0.0, 0.0, 0.0) if nothing else quaternion, "" if is_world(frame) else frame
+
+
+def world_of(message: Any) -> str:
+    """The world in which a message's pose is, as its header says; empty where its header is a sensor's."""
+    return header_of(message)[1] if hasattr(message, "pose") or hasattr(message, "transform") else ""
 
 
 def _xyz(vector: Any) -> tuple[float, float, float]:
@@ -143,7 +159,7 @@ def _with_checked_world(found: Orientations) -> Orientations:
         return found
     if abs(mean[2]) < ALIGNED * size:
         return _replaced(found, quaternions=np.full_like(found.quaternions, np.nan))
-    return found if mean[2] > 0 else _replaced(found, up_world=(0.0, 0.0, -1.0))
+    return found if mean[2] > 0 else _replaced(found, up_world=(0.0, 0.0, -1.0), z_down=True)
 
 
 def _replaced(found: Orientations, **values: Any) -> Orientations:

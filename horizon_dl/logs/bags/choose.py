@@ -2,21 +2,24 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 from horizon_dl.errors import InputError
 from horizon_dl.logs.bags.attitudes import KINDS, oriented, read_orientations
 from horizon_dl.logs.bags.camera_info import KIND as INFO
 from horizon_dl.logs.bags.camera_info import base_topic
+from horizon_dl.logs.bags.frames import is_body
 from horizon_dl.logs.bags.linked import Linked, transform_series
-from horizon_dl.logs.bags.messages import decoder, frame_name
+from horizon_dl.logs.bags.messages import decoder
 from horizon_dl.logs.bags.pixels import is_depth
 from horizon_dl.logs.bags.storage import Bag, Topic
 from horizon_dl.logs.bags.transforms import TransformTree
-from horizon_dl.logs.bags.up_series import Felt, Turned, imu_series, orientation_series
+from horizon_dl.logs.bags.up_series import Felt, Turned, imu_series, joined_imu, orientation_series
 
 IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
-BODIES = ("base_link", "base_footprint", "base", "body", "fcu")
+LOOKED_AT = 50
+"""First messages of a topic: a driver may send some before it knows its orientation."""
 AFTER_TRANSFORMS = len(KINDS) + 1
 
 Series = Turned | Felt | Linked
@@ -90,28 +93,43 @@ def up_series(
     """
     topics = [topic for topic in bag.topics.values() if topic.kind in KINDS and topic.count]
     chosen = [topic for topic in topics if topic.name in named]
-    candidates = [_candidate(bag, tree, camera_frame, topic) for topic in chosen or topics]
+    candidates = [_candidate(bag, tree, camera_frame, topic) for topic in chosen]
+    if not chosen:
+        candidates = [one for topic in topics for one in _readable(bag, tree, camera_frame, topic)]
     linked = None if chosen else transform_series(tree, camera_frame)
     for rank in sorted({one.rank for one in candidates} | ({(False, len(KINDS))} if linked else set())):
         if linked and rank == (False, len(KINDS)):
             return linked
         equal = [one for one in candidates if one.rank == rank]
-        if len(equal) > 1:
+        found = [read_orientations(bag, one.topic) for one in equal]
+        joined = joined_imu(*found) if len(found) == 2 else None
+        if len(equal) > 1 and joined is None:
             raise _several(bag, "attitudes", [one.topic.name for one in equal])
-        found = read_orientations(bag, equal[0].topic)
-        series = orientation_series(found, arrivals) or imu_series(found, arrivals)
+        best = joined or found[0]
+        series = orientation_series(best, arrivals) or imu_series(best, arrivals)
         if series is not None:
-            return replace(series, frame=equal[0].frame)
+            return replace(series, frame=best.frame)
     return None
 
 
+def _readable(bag: Bag, tree: TransformTree, camera_frame: str, topic: Topic) -> list[_Candidate]:
+    """The topic; none where its messages cannot be read: others may do."""
+    try:
+        return [_candidate(bag, tree, camera_frame, topic)]
+    except InputError:
+        return []
+
+
 def _candidate(bag: Bag, tree: TransformTree, camera_frame: str, topic: Topic) -> _Candidate:
-    quaternion, frame = oriented(first_message(bag, topic), KINDS[topic.kind])
-    frame = frame_name(frame)
+    decode = decoder(bag, topic)
+    first = [
+        oriented(decode(raw), KINDS[topic.kind]) for _, raw in islice(bag.messages(topic), LOOKED_AT)
+    ] or [oriented(first_message(bag, topic), KINDS[topic.kind])]
+    frame = first[0][1]
     connected = bool(frame and camera_frame) and tree.connected(frame, camera_frame)
-    if not frame and any(body in tree.chain(camera_frame) for body in BODIES):
+    if not frame and any(is_body(name) for name in tree.chain(camera_frame)):
         connected = True
-    known = any(quaternion)
+    known = any(any(quaternion) for quaternion, _ in first)
     return _Candidate(
         topic, frame, (not connected, list(KINDS).index(topic.kind) if known else AFTER_TRANSFORMS)
     )
@@ -119,7 +137,7 @@ def _candidate(bag: Bag, tree: TransformTree, camera_frame: str, topic: Topic) -
 
 def body_frame(tree: TransformTree, camera_frame: str) -> str | None:
     """The robot's own frame above the camera; None where the transforms have none."""
-    return next((name for name in tree.chain(camera_frame) if name in BODIES), None)
+    return next((name for name in tree.chain(camera_frame) if is_body(name)), None)
 
 
 def _several(bag: Bag, what: str, names: Sequence[str]) -> InputError:
@@ -127,5 +145,5 @@ def _several(bag: Bag, what: str, names: Sequence[str]) -> InputError:
 
 
 def _listed(names: Sequence[str]) -> str:
-    shown = ", ".join(names[:12])
+    shown = ", ".join(names[:12]) or "nothing"
     return f"{shown} and {len(names) - 12} more" if len(names) > 12 else shown

@@ -5,13 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.logs.bags.frames import is_world, points_down
 from horizon_dl.logs.bags.transforms import TransformTree
 from horizon_dl.logs.bags.up_series import up_and_heading
 
 Floats = NDArray[np.float64]
-
-WORLDS = ("map", "odom", "world", "earth", "mocap", "vicon", "optitrack", "global", "local_origin")
-"""Roots whose z is up (REP 105); a tree that ends in the robot itself tells nothing of the world."""
 
 
 @dataclass(frozen=True)
@@ -23,6 +21,7 @@ class Linked:
     topic: str = "/tf"
     frd: bool = False
     note: str = "the attitude is that of tf"
+    late_s: float | None = None
 
     @property
     def span_s(self) -> tuple[float, float]:
@@ -33,15 +32,19 @@ class Linked:
 
     def at(self, time_s: float, sensor_from_camera: Floats) -> tuple[Floats | None, float | None]:
         """See `UpSeries`."""
-        turned = self.tree.rotation(self.tree.chain(self.frame)[-1], self.frame, time_s)
+        root = self.tree.chain(self.frame)[-1]
+        turned = self.tree.rotation(root, self.frame, time_s)
         if turned is None:
             return None, None
-        return up_and_heading(turned @ sensor_from_camera, np.array([0.0, 0.0, 1.0]))
+        up = -1.0 if points_down(root) else 1.0
+        return up_and_heading(turned @ sensor_from_camera, np.array([0.0, 0.0, up]))
 
 
 def transform_series(tree: TransformTree, camera_frame: str) -> Linked | None:
-    """By transforms; None where the camera hangs on no world, or never moves in it."""
+    """By transforms; None where the camera hangs on no world, or never moves in it.
+
+    A tree that ends in the robot itself tells nothing of the world.
+    """
     chain = tree.chain(camera_frame)
-    root = chain[-1].rsplit("/", 1)[-1].lower()
     moves = any(not tree.links[name].constant for name in chain[:-1] if name in tree.links)
-    return Linked(tree, camera_frame) if moves and root.startswith(WORLDS) else None
+    return Linked(tree, camera_frame) if moves and is_world(chain[-1]) else None

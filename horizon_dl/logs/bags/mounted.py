@@ -55,13 +55,18 @@ class Mounted:
         if self.frame is not None:
             way = self.tree.rotation(self.frame, self.camera_frame, time_s - offset_s)
             turned = None if way is None else way @ self.sensor_from_camera
-            if turned is not None and self.series.frd:
+            if turned is not None and self._flips:
                 turned = FRD_FROM_FLU @ turned
         if turned is None:
             return FrameHeader(name, time_s)
         up_cam, yaw_rad = self.series.at(time_s - offset_s, turned)
         numbers = self.series.as_read(time_s - offset_s) if isinstance(self.series, Turned) else None
         return FrameHeader(name, time_s, up_cam, yaw_rad, as_read=numbers)
+
+    @property
+    def _flips(self) -> bool:
+        """Whether the tree's frame is the body as REP 103 has it, the series' axes forward, right, down."""
+        return self.series.frd and not self.series.frame
 
     @property
     def reading(self) -> Reading | None:
@@ -73,7 +78,7 @@ class Mounted:
             constant = self.tree.constant(self.frame, self.camera_frame)
             turned = self.tree.rotation(self.frame, self.camera_frame, 0.0) if constant else None
             way = None if turned is None else turned @ self.sensor_from_camera
-            if way is not None and self.series.frd:
+            if way is not None and self._flips:
                 way = FRD_FROM_FLU @ way
         if way is None:
             return None
@@ -105,7 +110,7 @@ def mounted(
     """
     turned_back = np.linalg.matrix_power(UPRIGHT_FROM_STORED, calibration.rotate_quarter_turns_ccw).T
     frame = series.frame or body_frame(tree, camera_frame)
-    notes = [f"attitude of {series.topic}"] + [series.note] * bool(series.note)
+    notes = [f"attitude of {series.topic}", *[series.note] * bool(series.note), *tree.notes]
     itself = isinstance(series, Linked) or (bool(frame) and frame == camera_frame)
     if itself:
         return Mounted(series, tree, None, camera_frame, turned_back, None, tuple(notes))

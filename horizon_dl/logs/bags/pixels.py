@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from horizon_dl.data.images import to_rgb
+from horizon_dl.data.decoding import is_deep
+from horizon_dl.data.images import from_deep, to_rgb
 from horizon_dl.errors import FrameError
 
 Bytes = NDArray[np.uint8]
@@ -34,10 +35,14 @@ def is_depth(message: Any) -> bool:
 def bits_of(message: Any) -> int:
     """How many bits the pictures of a topic use, by one of them: cameras put 10 or 12 into 16."""
     encoding = str(getattr(message, "encoding", "")).lower()
-    if encoding not in WIDE:
+    if hasattr(message, "format"):
+        decoded = _decoded(message, "")
+        largest = int(np.asarray(decoded).max(initial=0)) if is_deep(decoded) else 0
+    elif encoding in WIDE:
+        largest = int(_rows(message, WIDE[encoding], 2, "").max(initial=0))
+    else:
         return 8
-    largest = int(_rows(message, WIDE[encoding], 2, "").max(initial=0))
-    return next(bits for bits in BITS if largest < 1 << bits)
+    return next((bits for bits in BITS if largest < 1 << bits), BITS[-1])
 
 
 def picture(message: Any, where: str, bits: int = 8) -> Bytes:
@@ -52,14 +57,14 @@ def picture(message: Any, where: str, bits: int = 8) -> Bytes:
         FrameError: an encoding that is not known, or too few bytes.
     """
     if hasattr(message, "format"):
-        return _compressed(message, where)
+        return _compressed(message, where, bits)
     encoding = str(message.encoding).lower()
     if encoding in WIDE:
         wide = _rows(message, WIDE[encoding], 2, where).astype(np.uint32)
         return _coloured(np.minimum(wide << 8 >> bits, 255).astype(np.uint8), encoding)
     if encoding not in CHANNELS:
         problem = f"has the encoding {message.encoding!r}, which is not read"
-        raise FrameError(where, problem, "record rgb8, bgr8, mono8, bayer, yuv422 or a compressed topic")
+        raise FrameError(where, problem, "record rgb8, bgr8, mono8, bayer8, yuv422 or JPEG")
     return _coloured(_rows(message, CHANNELS[encoding], 1, where), encoding)
 
 
@@ -89,18 +94,24 @@ def _coloured(values: NDArray[np.uint8], encoding: str) -> Bytes:
     return np.ascontiguousarray(values[..., 2::-1] if encoding.startswith("b") else values[..., :3])
 
 
-def _compressed(message: Any, where: str) -> Bytes:
-    try:
-        with Image.open(io.BytesIO(np.asarray(message.data, np.uint8).tobytes())) as image:
-            image.load()
-            decoded = image.copy()
-    except (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError):
-        problem = f"cannot be read as an image (format {str(message.format)[:40]!r})"
-        raise FrameError(where, problem, "record JPEG or PNG, or leave the frame out") from None
+def _compressed(message: Any, where: str, bits: int) -> Bytes:
+    decoded = _decoded(message, where)
+    if is_deep(decoded):
+        return from_deep(np.asarray(decoded).astype(np.uint16), bits)
     encoding = str(message.format).lower()
     if encoding.startswith("bayer_") and decoded.mode == "L":
         return demosaiced(np.asarray(decoded), encoding[6:10])
     return to_rgb(decoded, where)
+
+
+def _decoded(message: Any, where: str) -> Image.Image:
+    try:
+        with Image.open(io.BytesIO(np.asarray(message.data, np.uint8).tobytes())) as image:
+            image.load()
+            return image.copy()
+    except (OSError, SyntaxError, ValueError, EOFError, Image.DecompressionBombError):
+        problem = f"cannot be read as an image (format {str(message.format)[:40]!r})"
+        raise FrameError(where, problem, "record JPEG or PNG, or leave the frame out") from None
 
 
 def _yuv422(values: Bytes, first_is_y: bool) -> Bytes:

@@ -46,9 +46,15 @@ class Link:
 
 @dataclass(frozen=True)
 class TransformTree:
-    """The links by the name of the lower frame."""
+    """The links by the name of the lower frame.
+
+    Attributes:
+        links: by the child's name.
+        notes: on frames that are said to have two parents, of which the first is taken.
+    """
 
     links: dict[str, Link]
+    notes: tuple[str, ...] = ()
 
     def chain(self, frame: str) -> list[str]:
         """The frame and all above it, the root last."""
@@ -94,28 +100,39 @@ def read_transforms(bag: Bag) -> TransformTree:
     """All of the bag's transforms; an empty tree where there are none."""
     samples: dict[str, list[tuple[float, tuple[float, ...]]]] = {}
     parents: dict[str, str] = {}
+    refused: dict[str, str] = {}
     for topic in bag.topics.values():
         if topic.kind in KINDS and topic.count:
             decode = decoder(bag, topic)
             for _, payload in bag.messages(topic):
                 for one in decode(payload).transforms:
-                    _add(one, samples, parents)
+                    _add(one, samples, parents, refused)
     links = {}
     for child, rows in samples.items():
         rows.sort(key=lambda row: row[0])
         quaternions = np.array([row[1] for row in rows])
         links[child] = Link(parents[child], np.array([row[0] for row in rows]), quaternions)
-    return TransformTree(links)
+    notes = [
+        f"tf gives {child} two parents, {parents[child]} and {other}: the first is taken, check the horizon"
+        for child, other in refused.items()
+    ]
+    return TransformTree(links, tuple(notes))
 
 
 def _add(
-    one: Any, samples: dict[str, list[tuple[float, tuple[float, ...]]]], parents: dict[str, str]
+    one: Any,
+    samples: dict[str, list[tuple[float, tuple[float, ...]]]],
+    parents: dict[str, str],
+    refused: dict[str, str],
 ) -> None:
     turned = one.transform.rotation
     quaternion = np.array([turned.w, turned.x, turned.y, turned.z])
     norm = float(np.linalg.norm(quaternion))
     time_s, parent = header_of(one)
     child = frame_name(one.child_frame_id)
-    if not 0.5 < norm < 2.0 or parents.setdefault(child, parent) != parent:
+    if not 0.5 < norm < 2.0:
+        return
+    if parents.setdefault(child, parent) != parent:
+        refused[child] = parent
         return
     samples.setdefault(child, []).append((time_s, tuple((quaternion / norm).tolist())))

@@ -1,17 +1,22 @@
 """The world's up over time in the frame of a sensor, whatever told it: orientations, an IMU, transforms."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.imu import estimate_up
 from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time
 from horizon_dl.geometry.attitude import MAX_GAP_S, bracket, interpolate, rotation_from_quaternion, unit
+from horizon_dl.logs.attitude_logs.inertial import around, ups_of_inertial
 from horizon_dl.logs.bags.attitudes import PX4, Orientations
 
 Floats = NDArray[np.float64]
+
+LEAST_GRAVITY = 5.0
+"""m/s^2 of the median force; less is no accelerometer's with gravity in it."""
+SILENT_WINDOW_S = 0.25
+"""On each side of a moment; a hand or a drone turns little in it."""
 
 
 class UpSeries(Protocol):
@@ -23,6 +28,7 @@ class UpSeries(Protocol):
         frd: the body's axes are forward, right, down; else forward, left, up (REP 103).
         span_s: first and last time.
         note: what was done, in a sentence; or empty.
+        late_s: from the headers' stamps to the arrivals, median; None where that is not known.
     """
 
     @property
@@ -40,6 +46,9 @@ class UpSeries(Protocol):
     @property
     def note(self) -> str: ...  # noqa: D102
 
+    @property
+    def late_s(self) -> float | None: ...  # noqa: D102
+
     def at(self, time_s: float, sensor_from_camera: Floats) -> tuple[Floats | None, float | None]:
         """Up in the camera (3,) and its heading (rad, clockwise seen from above); None: not known."""
 
@@ -55,6 +64,7 @@ class Turned:
     up_world: tuple[float, float, float]
     frd: bool = False
     note: str = ""
+    late_s: float | None = None
 
     @property
     def span_s(self) -> tuple[float, float]:
@@ -85,6 +95,7 @@ class Felt:
     ups: Floats
     frd: bool = False
     note: str = ""
+    late_s: float | None = None
 
     @property
     def span_s(self) -> tuple[float, float]:
@@ -114,20 +125,55 @@ def orientation_series(found: Orientations, arrivals: bool = False) -> Turned | 
     times, quaternions = by_time(found.arrivals_s if arrivals else found.stamps_s, found.quaternions)
     if len(times) < 2:
         return None
-    note = f"the world of {found.topic} has z down, by the force of gravity in it"
-    is_px4 = found.kind in PX4
-    down = found.up_world[2] < 0 and not is_px4
-    return Turned(found.topic, found.frame, times, quaternions, found.up_world, is_px4, note if down else "")
+    note = f"the world of {found.topic} has z down"
+    down = found.up_world[2] < 0 and found.kind not in PX4
+    return Turned(
+        found.topic,
+        found.frame,
+        times,
+        quaternions,
+        found.up_world,
+        found.z_down,
+        note if down else "",
+        _late_s(found, arrivals),
+    )
 
 
 def imu_series(found: Orientations, arrivals: bool = False) -> Felt | None:
-    """By an IMU's gyroscope and accelerometer; None where it gives none."""
+    """By an IMU's gyroscope and accelerometer; None where it gives none, or gravity was taken out of them."""
     if found.rates is None or found.forces is None:
         return None
     both = np.hstack([found.rates, found.forces])
     times, felt = by_time(found.arrivals_s if arrivals else found.stamps_s, both, MOST_INERTIAL)
-    if len(times) < 2 or not felt[:, 3:].any():
+    if len(times) < 2 or float(np.median(np.linalg.norm(felt[:, 3:], axis=1))) < LEAST_GRAVITY:
         return None
-    silent = "; its gyroscope is silent" if not felt[:, :3].any() else ""
-    note = f"{found.topic} gives no orientation: it is estimated from its rates and forces{silent}"
-    return Felt(found.topic, found.frame, times, estimate_up(times, felt[:, :3], felt[:, 3:]), False, note)
+    rates, forces = felt[:, :3], felt[:, 3:]
+    silent = not rates.any()
+    # Without rates a force is only that of its moment, with them it is carried over from other moments.
+    ups = around(times, forces, SILENT_WINDOW_S) if silent else ups_of_inertial(times, rates, forces)
+    down = bool(forces.mean(axis=0)[2] < -LEAST_GRAVITY)
+    note = f"{found.topic} gives no orientation: it is estimated from its rates and forces"
+    note += "; its gyroscope is silent" * silent
+    note += "; its z points down: taken as forward, right, down" * down
+    ups = ups / np.maximum(np.linalg.norm(ups, axis=1, keepdims=True), 1e-9)
+    return Felt(found.topic, found.frame, times, ups, down, note, _late_s(found, arrivals))
+
+
+def joined_imu(one: Orientations, other: Orientations) -> Orientations | None:
+    """A gyroscope and an accelerometer that publish apart, as one IMU at the gyroscope's times; else None."""
+    for gyro, accelerometer in ((one, other), (other, one)):
+        if gyro.rates is None or accelerometer.forces is None or not len(accelerometer.stamps_s):
+            continue
+        if not gyro.rates.any() or np.any(gyro.forces) or np.any(accelerometer.rates):
+            continue
+        at_s, forces = by_time(accelerometer.stamps_s, accelerometer.forces, MOST_INERTIAL)
+        if len(at_s) > 1:
+            felt = np.stack([np.interp(gyro.stamps_s, at_s, axis) for axis in forces.T], axis=-1)
+            return replace(gyro, topic=f"{gyro.topic} and {accelerometer.topic}", forces=felt)
+    return None
+
+
+def _late_s(found: Orientations, arrivals: bool) -> float | None:
+    """None where the stamps are the arrivals."""
+    late = found.arrivals_s - found.stamps_s
+    return float(np.median(late)) if len(late) and not arrivals and late.any() else None
