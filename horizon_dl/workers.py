@@ -118,7 +118,7 @@ def processes_beside(jobs: int) -> Iterator[list[Executor]]:
         return
     import torch
 
-    before = torch.get_num_threads()
+    before, others = torch.get_num_threads(), set(multiprocessing.active_children())
     each = max(1, before // jobs)
     torch.set_num_threads(each)
     fresh = multiprocessing.get_context("spawn")  # a fork would share the locks of torch's threads
@@ -133,7 +133,7 @@ def processes_beside(jobs: int) -> Iterator[list[Executor]]:
         try:
             yield beside
         except BaseException as error:
-            for child in multiprocessing.active_children():
+            for child in set(multiprocessing.active_children()) - others:
                 child.terminate()
             if isinstance(error, BrokenProcessPool):
                 problem = "one of the processes was killed, perhaps for want of memory"

@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=positive_int,
         default=1,
         metavar="N",
-        help="processes; seeds after the first run beside it (default: 1)",
+        help="processes, among which the seeds after the first are dealt out (default: 1)",
     )
 
 
@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
             on_frame=log,
             progress=True,
             workers=workers,
-            jobs=min(arguments.jobs, len(seeds)),
+            jobs=min(arguments.jobs, 2 * len(seeds) - 1),
             vehicle=arguments.vehicle_height,
         )
         save_config(config, folder / "config.yaml")

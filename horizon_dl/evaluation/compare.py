@@ -1,14 +1,14 @@
 """The comparison: net, forest and training-free baselines on the same frames of one recording."""
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import cycle
 from typing import Any, TypeVar
 
 from horizon_dl.config import Config
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
+from horizon_dl.evaluation.deal import Part, dealt
 from horizon_dl.evaluation.progressive import ProgressiveValidation
 from horizon_dl.evaluation.protocols import Protocol, Split, split_frames
 from horizon_dl.evaluation.scoring import (
@@ -44,8 +44,8 @@ from horizon_dl.workers import SERIAL, Workers, processes_beside
 
 T = TypeVar("T")
 
-Learned = tuple[dict[str, MethodAccumulator], HorizonFCN, dict[str, Any]]
-"""Figures, the net, and what it says of its training frames (`evidence_of`; empty if not asked yet)."""
+Learned = tuple[dict[str, MethodAccumulator], HorizonFCN | None, dict[str, Any]]
+"""Figures, the net if it was asked for, and what it says of its training frames (empty if not asked yet)."""
 
 
 @dataclass
@@ -88,7 +88,7 @@ def compare(
         progress: show progress bars.
         workers: who computes features, fits the forest and scores frames; `prequential`, frame by frame,
             stays in this process.
-        jobs: processes on this machine; seeds after the first run in the others.
+        jobs: processes on this machine, among which what comes after the first seed is dealt out.
         vehicle: count distances also of what is in its way.
 
     Raises:
@@ -96,29 +96,29 @@ def compare(
     """
     split = split_recording(recording, protocol)
     store = FrameStore(recording, config)
-    run_seed = _run_seed(protocol)
-    accumulators: dict[str, list[MethodAccumulator]] = {name: [] for name in LEARNERS}
+    run = _prequential if protocol == "prequential" else _offline
     ranging = RangingBlock(recording.headers, config.ranging_params, vehicle)
     watch = watching(ranging, on_frame)
-    nets: list[tuple[HorizonFCN, dict[str, Any]]] = []
+    found: dict[Part, MethodAccumulator] = {}
     with processes_beside(jobs) as beside:
-        started = [
-            executor.submit(_further_seed, recording, config, protocol, seed)
-            for executor, seed in zip(cycle(beside), seeds[1:], strict=False)
-        ]
-        first = run_seed(store, split, seeds[0], watch, progress, workers)
+        own, *others = dealt(seeds, 1 + len(beside))
+        started = {
+            part: executor.submit(_run_part, recording, config, protocol, part)
+            for executor, share in zip(beside, others, strict=True)
+            for part in share
+        }
+        first, net, evidence = run(store, split, seeds[0], LEARNERS, watch, progress, workers)
         baselines = _baselines(store, split.test, progress, workers)
-        rest = [one.result() for one in started] or [
-            run_seed(store, split, seed, None, progress, workers) for seed in seeds[1:]
-        ]
-    for found, net, evidence in (first, *rest):
-        nets.append((net, evidence))
-        for name, accumulator in found.items():
-            accumulators[name].append(accumulator)
+        for learner, seed in own:
+            found |= _by_part(run(store, split, seed, (learner,), None, progress, workers)[0], seed)
+        for (_, seed), future in started.items():
+            found |= _by_part(future.result(), seed)
+    found |= _by_part(first, seeds[0])
+    accumulators = {name: [found[name, seed] for seed in seeds] for name in LEARNERS}
     accumulators |= {name: [accumulator] for name, accumulator in baselines.items()}
     rule = PaperThreshold(config.threshold.percentile).rule
     methods = {name: method_metrics(found, rule) for name, found in accumulators.items()}
-    net, evidence = nets[0]
+    assert net is not None  # the first seed is of all learners
     evidence = evidence or evidence_of(net, store, split.train)
     methods[NET]["self_assessment"] = evidence["self_assessment"]
     metrics = {
@@ -133,14 +133,17 @@ def compare(
     return Comparison(metrics, accumulators, store.skipped, net)
 
 
-def _run_seed(protocol: Protocol) -> Callable[..., Learned]:
-    return _prequential if protocol == "prequential" else _offline
+def _by_part(found: dict[str, MethodAccumulator], seed: int) -> dict[Part, MethodAccumulator]:
+    return {(name, seed): accumulator for name, accumulator in found.items()}
 
 
-def _further_seed(recording: Recording, config: Config, protocol: Protocol, seed: int) -> Learned:
-    """One seed in a process of its own."""
+def _run_part(
+    recording: Recording, config: Config, protocol: Protocol, part: Part
+) -> dict[str, MethodAccumulator]:
+    """A learner under a seed, in a process of its own."""
     store, split = FrameStore(recording, config), split_recording(recording, protocol)
-    return _run_seed(protocol)(store, split, seed, None, False, SERIAL)
+    run = _prequential if protocol == "prequential" else _offline
+    return run(store, split, part[1], part[:1], None, False, SERIAL)[0]
 
 
 def split_recording(recording: Recording, protocol: Protocol) -> Split:
@@ -156,26 +159,38 @@ def split_recording(recording: Recording, protocol: Protocol) -> Split:
 
 
 def _offline(
-    store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool, workers: Workers
+    store: FrameStore,
+    split: Split,
+    seed: int,
+    learners: Sequence[str],
+    on_frame: OnFrame | None,
+    progress: bool,
+    workers: Workers,
 ) -> Learned:
-    config = store.config
+    methods: dict[str, Method] = {}
+    thresholds: dict[str, float] = {}
+    train_s: dict[str, float] = {}
+    net: HorizonFCN | None = None
     start = time.perf_counter()
-    net = train_net(store, split.train, seed=seed, progress=progress)
-    net_s = time.perf_counter() - start
-    forest = fit_forest(store, split.train, seed, workers)
-    forest_s = time.perf_counter() - start - net_s
-    methods: dict[str, Method] = {NET: NetMethod(net, config.geodesic), FOREST: forest}
-    thresholds = {
-        NET: entropy_threshold(net, store, split.train),
-        FOREST: _forest_threshold(forest, store, split.train, workers),
-    }
+    if NET in learners:
+        net = train_net(store, split.train, seed=seed, progress=progress)
+        train_s[NET] = time.perf_counter() - start
+        methods[NET] = NetMethod(net, store.config.geodesic)
+        thresholds[NET] = entropy_threshold(net, store, split.train)
+    start = time.perf_counter()
+    if FOREST in learners:
+        forest = fit_forest(store, split.train, seed, workers)
+        train_s[FOREST] = time.perf_counter() - start
+        methods[FOREST] = forest
+        thresholds[FOREST] = _forest_threshold(forest, store, split.train, workers)
     readings = read_frames(methods, store, split.test, workers)
     bar = _bar(readings, f"test, seed {seed}", len(split.test), progress)
     # What is drawn is what would be flown, so the net's evidence is needed before the first frame.
-    evidence = evidence_of(net, store, split.train) if on_frame else {}
+    evidence = evidence_of(net, store, split.train) if on_frame and net is not None else {}
     places = {NET: place_of(evidence, NET)}
-    accumulators = accumulate(bar, thresholds, config.labels.band_rad, on_frame, places)
-    accumulators[NET].train_s, accumulators[FOREST].train_s = net_s, forest_s
+    accumulators = accumulate(bar, thresholds, store.config.labels.band_rad, on_frame, places)
+    for name, seconds in train_s.items():
+        accumulators[name].train_s = seconds
     return accumulators, net, evidence
 
 
@@ -192,10 +207,17 @@ def _forest_threshold(
 
 
 def _prequential(
-    store: FrameStore, split: Split, seed: int, on_frame: OnFrame | None, progress: bool, _: Workers
+    store: FrameStore,
+    split: Split,
+    seed: int,
+    learners: Sequence[str],
+    on_frame: OnFrame | None,
+    progress: bool,
+    _: Workers,
 ) -> Learned:
     net = NetStream(store.config, seed)
-    streams: dict[str, StreamLearner] = {NET: net, FOREST: ForestStream(store.config, seed)}
+    every: dict[str, StreamLearner] = {NET: net, FOREST: ForestStream(store.config, seed)}
+    streams = {name: every[name] for name in learners}
     validation = ProgressiveValidation(streams, store.config, store.recording.headers)
     for index, item in enumerate(_bar(split.train, f"online, seed {seed}", len(split.train), progress)):
         read = store.read(item)

@@ -74,7 +74,9 @@ def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Giv
         taken = (
             f"holds {len(paths)} pictures, and the log tells of {len(log.shutter.times_s)} that were taken"
         )
-        raise InputError(path, f"{taken}; they {error.args[1].removeprefix('and its log ')}", error.args[2]) from None
+        raise InputError(
+            path, f"{taken}; they {error.args[1].removeprefix('and its log ')}", error.args[2]
+        ) from None
     return replace(
         image_recording(
             path.resolve().name,
