@@ -71,6 +71,52 @@ def test_a_replay_reaches_the_peer(flight: Path, model: None, tmp_path: Path, ca
     assert "from image to message" in capsys.readouterr().out
 
 
+class BoxModel(FlatModel):
+    """Sees a box all around, 0.3 m high and 2 m away; the camera is 1.5 m over the floor."""
+
+    def predict(self, image: Any, up_cam: Any = None) -> Any:
+        found = super().predict(image, up_cam)
+        depression = -found.elevation
+        box = (np.tan(depression) < 1.5 / 2.0) & (np.tan(depression) > (1.5 - 0.3) / 2.0)
+        found.p_above[box] = 0.8
+        return found
+
+
+@pytest.mark.parametrize(
+    ("options", "blocked"),
+    [
+        ([], True),
+        (["--vehicle-height", "1.5,0.1"], True),
+        (["--vehicle-height", "0.6,0.1"], False),
+        (["--connected-only"], False),
+    ],
+)
+def test_a_low_box_blocks_a_vehicle_that_reaches_down_to_it(
+    flight: Path, monkeypatch: pytest.MonkeyPatch, options: list[str], blocked: bool
+) -> None:
+    from pymavlink.dialects.v20 import common
+
+    camera = open_recording(flight).camera
+    monkeypatch.setattr(ObstacleModel, "load", lambda *_: BoxModel(camera))
+    peer = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    peer.bind(("127.0.0.1", 0))
+    peer.settimeout(0.2)
+    url = f"udpout:127.0.0.1:{peer.getsockname()[1]}"
+    fly.run(parsed("m.onnx", "--source", str(flight), "--mavlink", url, "--rate", "50", *options))
+    parser, messages = common.MAVLink(None), []
+    try:
+        while True:
+            messages += parser.parse_buffer(peer.recv(1000)) or []
+    except TimeoutError:
+        peer.close()
+    ahead = {m.distances[0] for m in messages if m.get_type() == "OBSTACLE_DISTANCE"} - {65535}
+    assert ahead
+    if blocked:
+        assert all(150 < distance < 250 for distance in ahead)
+    else:
+        assert ahead == {1001}
+
+
 def test_sigterm_ends_the_flight_in_order(flight: Path, model: None, capsys: Any) -> None:
     before = signal.getsignal(signal.SIGTERM)
     timer = threading.Timer(0.7, os.kill, (os.getpid(), signal.SIGTERM))
