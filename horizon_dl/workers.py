@@ -21,6 +21,8 @@ AHEAD = 2
 """Items a worker's thread is given ahead; results are taken in order, so memory stays bounded."""
 CONNECT_S = 10
 LOOPBACK = "127.0.0.1:0"
+FOREST_THREADS = "LOKY_MAX_CPU_COUNT"
+"""Where scikit-learn, by joblib, reads how many cores there are."""
 
 
 class Workers(Protocol):
@@ -120,7 +122,8 @@ def processes_beside(jobs: int) -> Iterator[list[Executor]]:
 
     before, others = torch.get_num_threads(), set(multiprocessing.active_children())
     each = max(1, before // jobs)
-    torch.set_num_threads(each)
+    limit = os.environ.get(FOREST_THREADS)
+    _divide(each)
     fresh = multiprocessing.get_context("spawn")  # a fork would share the locks of torch's threads
     with ExitStack() as stack:
         # One executor of many processes does not notice the death of one that it started late (Python 3.11).
@@ -141,12 +144,20 @@ def processes_beside(jobs: int) -> Iterator[list[Executor]]:
             raise
         finally:
             torch.set_num_threads(before)
+            os.environ.pop(FOREST_THREADS)
+            if limit is not None:
+                os.environ[FOREST_THREADS] = limit
 
 
-def _begin(threads: int) -> None:
+def _divide(threads: int) -> None:
     import torch
 
     torch.set_num_threads(threads)
+    os.environ[FOREST_THREADS] = str(threads)
+
+
+def _begin(threads: int) -> None:
+    _divide(threads)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the first process hears it, and ends the others
     Thread(target=_end_with_parent, daemon=True).start()
 

@@ -254,7 +254,9 @@ def test_flat_ground_as_in_the_training_pictures_is_not_lost() -> None:
     assert not place().usually_flat(smoothed((108, 90, 70))).any()  # never flat there
 
 
-@pytest.mark.parametrize("colour", [(0, 0, 0), (5, 15, 9), (255, 255, 255), (241, 250, 255)])
+@pytest.mark.parametrize(
+    "colour", [(0, 0, 0), (16, 16, 16), (0, 0, 18), (255, 255, 255), (255, 255, 230), (90, 250, 80)]
+)
 def test_no_light_and_too_much_are_never_usual(colour: tuple[int, int, int]) -> None:
     assert not place_of_smoothed(colour).usually_flat(smoothed(colour)).any()
 

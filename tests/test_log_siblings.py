@@ -16,7 +16,7 @@ from test_ros_bag import angle_deg
 
 from horizon_dl.data.attitude_log import AttitudeLog
 from horizon_dl.data.given import Given
-from horizon_dl.errors import InputError
+from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy
 from horizon_dl.logs.attitude_logs.registry import read_attitude_log
 from horizon_dl.logs.bags.pixels import bits_of, picture
@@ -88,8 +88,18 @@ def test_two_parents_of_a_frame_are_told(tmp_path: Path) -> None:
     assert "two parents, odom and world" in notes_of(maker.write(tmp_path / "made", rows))
 
 
-def moving_imu(maker: Maker, accelerometer: str, gyroscope: str) -> tuple[Rows, np.ndarray]:
-    """Pictures of a camera in an IMU that gives rates and forces alone, in one topic or apart."""
+def moving_imu(
+    maker: Maker,
+    accelerometer: str,
+    gyroscope: str,
+    frame: str = "imu",
+    turn: np.ndarray | None = None,
+    until_s: float = 1.0,
+) -> tuple[Rows, np.ndarray]:
+    """Pictures of a camera in an IMU that gives rates and forces alone, in one topic or apart.
+
+    The accelerometer has axes of its own, `turn`ed, in `frame`, and ends earlier.
+    """
     rows, ups = pictures(maker)
     rows.append(("/tf_static", 0.0, maker.transform(0.0, "imu", "cam", OPTICAL_IN_FLU)))
     step = 1e-4
@@ -102,7 +112,9 @@ def moving_imu(maker: Maker, accelerometer: str, gyroscope: str) -> tuple[Rows, 
         if accelerometer == gyroscope:
             rows.append((gyroscope, t, maker.imu(t, None, force, rate)))
         else:
-            rows.append((accelerometer, t, maker.imu(t, None, force, (0, 0, 0))))
+            if t <= until_s:
+                own = force if turn is None else turn @ force
+                rows.append((accelerometer, t, maker.imu(t, None, own, (0, 0, 0), frame)))
             rows.append((gyroscope, t, maker.imu(t + 2e-3, None, (0, 0, 0), rate)))
     return rows, ups
 
@@ -114,6 +126,62 @@ def test_a_gyroscope_and_an_accelerometer_apart_are_one_imu(tmp_path: Path, name
     path = maker.write(tmp_path / "made", rows)
     assert angle_deg(ups_of(path, topics=named), ups) < 1.0
     assert "/gyro/sample and /accel/sample" in notes_of(path, topics=named)
+
+
+def test_an_accelerometer_with_axes_of_its_own_is_turned_by_tf(tmp_path: Path) -> None:
+    maker, quarter = Maker(), np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]])
+    rows, ups = moving_imu(maker, "/accel", "/gyro", "accel", quarter)
+    with pytest.raises(InputError, match="holds attitudes in /accel, /gyro|no tf joins them"):
+        open_recording(maker.write(tmp_path / "alone", rows))
+    # From the accelerometer's axes to the IMU's: the transpose, a quarter turn about x.
+    half = float(np.sqrt(0.5))
+    rows.append(("/tf_static", 0.0, maker.transform(0.0, "imu", "accel", (half, half, 0, 0))))
+    assert angle_deg(ups_of(maker.write(tmp_path / "joined", rows)), ups) < 1.0
+
+
+def test_where_the_accelerometer_ended_nothing_is_known(tmp_path: Path) -> None:
+    maker = Maker()
+    rows, ups = moving_imu(maker, "/accel", "/gyro", until_s=0.4)
+    found = [header.up_cam for header in open_recording(maker.write(tmp_path / "made", rows)).headers]
+    assert all(up is not None for up in found[:4])
+    assert all(up is None for up in found[7:])
+    assert angle_deg(np.array(found[:4]), ups[:4]) < 2.0
+
+
+def test_a_damaged_picture_is_left_out_and_no_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    maker = Maker()
+    rows, _, _ = flight(maker)
+    serialize, count = maker.store.serialize_cdr, [0]
+
+    def cut(message: Any, name: str) -> Any:
+        data = serialize(message, name)
+        count[0] += name.endswith("msg/Image")
+        return data[:60] if name.endswith("msg/Image") and count[0] == 1 else data
+
+    monkeypatch.setattr(maker.store, "serialize_cdr", cut)
+    recording = open_recording(maker.write(tmp_path / "made", rows))
+    with pytest.raises(FrameError):
+        recording.read(0)
+    assert recording.read(1).image.shape == (24, 32, 3)
+
+
+def test_where_nothing_can_be_read_the_reason_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from horizon_dl.logs.bags import choose
+
+    maker = Maker()
+    rows, _, _ = flight(maker)
+    path, decoder = maker.write(tmp_path / "made", rows), choose.decoder
+
+    def broken(bag: Any, topic: Any) -> Any:
+        if topic.name == "/imu":
+            raise InputError(path, "has a broken definition", "copy it again")
+        return decoder(bag, topic)
+
+    monkeypatch.setattr(choose, "decoder", broken)
+    with pytest.raises(InputError, match="has a broken definition"):
+        open_recording(path)
 
 
 def test_an_imu_that_starts_under_way_is_right_from_the_start(tmp_path: Path) -> None:
@@ -312,6 +380,10 @@ def test_pictures_of_a_phone_find_their_attitude(tmp_path: Path, camera: Path) -
         make_sets.save_image(folder / "Camera" / f"{1700000000000 + 50 * index}.jpg", 32, 24)
     recording = open_recording(folder, given=Given(camera))
     assert [header.up_cam is not None for header in recording.headers] == [True] * 3
+    with pytest.raises(InputError, match="does not tell its camera; give it with --camera"):
+        open_recording(folder)
+    (folder / "Camera" / "camera.yaml").write_text(CAMERA)
+    assert open_recording(folder).length == 3
 
 
 def test_without_metadata_the_sign_is_in_doubt(tmp_path: Path) -> None:

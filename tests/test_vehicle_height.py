@@ -55,6 +55,46 @@ def test_a_thing_blocks_if_it_is_as_high_as_the_vehicles_lowest_part(
         assert (outcome(found) == Outcome.FREE).all()
 
 
+def found_of(camera_deg: float, obstacle_of: Any, vehicle: VehicleHeight | None) -> tuple[Any, FreeDistances]:
+    """By p_above, of a camera 1 m over the floor that looks so far down."""
+    up = up_in_camera(quaternion_from_rpy(0.0, math.radians(-camera_deg), 0.0), (0.0, 0.0, 0.0))
+    polar = polar_view(DIRECTIONS, up, bearings=Bearings(30, math.radians(2.0)))
+    p_above = np.where(obstacle_of(up), 0.6, 0.03).astype(np.float32)
+    return polar, free_distances_from_p(p_above, polar, HEIGHT_M, floor_p=0.1, vehicle=vehicle)
+
+
+def wall(distance_m: float, thing_m: float) -> Any:
+    def seen_from(up: NDArray[np.float64]) -> NDArray[np.bool_]:
+        sine = DIRECTIONS.astype(np.float64) @ up
+        meets_m = HEIGHT_M + distance_m * sine / np.sqrt(1 - sine**2)
+        return np.asarray((meets_m >= 0) & (meets_m <= thing_m))
+
+    return seen_from
+
+
+@pytest.mark.parametrize(
+    ("camera_deg", "distance_m", "thing_m", "below_m"),
+    [(12, 0.5, 0.85, 0.3), (12, 0.4, 0.95, 0.1), (12, 0.7, 0.75, 0.3), (0, 0.5, 0.8, 0.3)],
+)
+def test_a_near_thing_whose_foot_is_below_the_picture_blocks(
+    camera_deg: float, distance_m: float, thing_m: float, below_m: float
+) -> None:
+    _, found = found_of(camera_deg, wall(distance_m, thing_m), VehicleHeight(below_m, 0.1))
+    assert (outcome(found) == Outcome.OBSTACLE).all()
+
+
+@pytest.mark.parametrize("below_m", [0.0, 0.3, 0.6])
+@pytest.mark.parametrize(("camera_deg", "distance_m"), [(60, 1.0), (45, 0.8), (70, 0.5)])
+def test_what_the_pictures_upper_rim_cuts_off_blocks(
+    camera_deg: float, distance_m: float, below_m: float
+) -> None:
+    _, found = found_of(camera_deg, wall(distance_m, 3.0), VehicleHeight(below_m, 0.1))
+    _, without = found_of(camera_deg, wall(distance_m, 3.0), None)
+    blocked_without = without.outcome == Outcome.OBSTACLE
+    assert blocked_without.sum() > 10
+    assert (found.outcome[blocked_without] == Outcome.OBSTACLE).all()
+
+
 @pytest.mark.parametrize("below_m", [0.0, 0.2, 0.5])
 def test_behind_a_low_thing_a_high_one_is_found(below_m: float) -> None:
     both = ring(1.8, 0.2) | ring(4.0, 2.0)

@@ -13,6 +13,7 @@ from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.evaluation.deal import dealt
 from horizon_dl.workers import SERIAL, DaskWorkers, open_workers, processes_beside
 
 QUICK = ["--train.rounds", "[8,4]", "--train.batch", "4", "--train.crop", "32", "--seeds", "1"]
@@ -87,6 +88,34 @@ def test_a_process_that_is_killed_is_one_line_and_none_is_left(victim):
         beside[1 - victim].submit(time.sleep, 600)
         beside[victim].submit(kill_itself).result(timeout=300)
     assert not left_over()
+
+
+def threads_of_a_forest() -> tuple[int, int]:
+    import joblib
+
+    return joblib.cpu_count(), torch.get_num_threads()
+
+
+def test_the_cores_are_divided_and_given_back(monkeypatch):
+    monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "7")
+    before = torch.get_num_threads()
+    torch.set_num_threads(4)
+    try:
+        with processes_beside(2) as (beside,):
+            assert beside.submit(threads_of_a_forest).result(timeout=300) == (min(2, os.cpu_count() or 1), 2)
+            assert torch.get_num_threads() == 2
+        assert (os.environ["LOKY_MAX_CPU_COUNT"], torch.get_num_threads()) == ("7", 4)
+    finally:
+        torch.set_num_threads(before)
+
+
+@pytest.mark.parametrize("processes", [1, 2, 3, 8])
+@pytest.mark.parametrize("seeds", [1, 3, 5])
+def test_every_learner_and_seed_is_dealt_once(processes, seeds):
+    shares = dealt(list(range(seeds)), processes)
+    assert len(shares) == processes
+    parts = sorted(part for share in shares for part in share)
+    assert parts == sorted((name, seed) for name in ("cnn", "rf") for seed in range(1, seeds))
 
 
 def test_an_error_of_this_process_ends_those_beside_it():

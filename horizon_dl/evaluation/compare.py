@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterable, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -108,8 +109,10 @@ def compare(
             for part in share
         }
         first, net, evidence = run(store, split, seeds[0], LEARNERS, watch, progress, workers)
+        _check(started.values())
         baselines = _baselines(store, split.test, progress, workers)
         for learner, seed in own:
+            _check(started.values())
             found |= _by_part(run(store, split, seed, (learner,), None, progress, workers)[0], seed)
         for (_, seed), future in started.items():
             found |= _by_part(future.result(), seed)
@@ -131,6 +134,13 @@ def compare(
         "ranging": ranging.compute(),
     }
     return Comparison(metrics, accumulators, store.skipped, net)
+
+
+def _check(started: Iterable[Future[Any]]) -> None:
+    """Raise what ended one of the processes beside, before more is done here."""
+    for future in started:
+        if future.done():
+            future.result()
 
 
 def _by_part(found: dict[str, MethodAccumulator], seed: int) -> dict[Part, MethodAccumulator]:

@@ -45,7 +45,7 @@ class Place:
         offset_rad: between the horizons of net and attitude on them, least and greatest without a twentieth
             of the pictures on either side; None as of `floor_p`.
         flat: (16, 16, 16) bool, colours that ground without any change from pixel to pixel often had, as in
-            films that a codec has smoothed; never black or white. None as of `floor_p`.
+            films that a codec has smoothed; never black, nor with a full channel. None as of `floor_p`.
     """
 
     low: tuple[float, ...]
@@ -185,7 +185,9 @@ class PlaceCalibration:
 
     def _usually_flat(self) -> NDArray[np.bool_]:
         flat: NDArray[np.bool_] = (self._flat > OFTEN * self._counts.sum()).reshape(LEVELS, LEVELS, LEVELS)
-        flat[0, 0, 0] = flat[-1, -1, -1] = False  # what overflows or gets no light shows nothing
+        flat[:2, :2, :2] = False  # without light, video's black included, nothing is shown
+        for overflown in (flat, flat.swapaxes(0, 1), flat.swapaxes(0, 2)):
+            overflown[-1] = False  # nor where a channel is full
         return flat
 
 

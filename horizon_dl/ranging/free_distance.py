@@ -129,7 +129,8 @@ def free_distances(
     window, unseen = _window_and_unseen(polar, rules)
     contact = first_contact(cells, seen, window, rules.share, unseen)
     if vehicle is not None:
-        cells = in_the_way(cells, seen, contact, polar, height_m, vehicle, rules.horizon_rad)
+        foot_seen = _foot_seen(seen, contact, window)
+        cells = in_the_way(cells, seen, contact, foot_seen, polar, height_m, vehicle, rules.horizon_rad)
         contact = first_contact(cells, seen, window, rules.share, unseen)
     return _from_contacts(polar, seen, cells, contact, height_m, rules)
 
@@ -165,7 +166,8 @@ def free_distances_from_p(
     contact, alarm, floor = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
     cells = seen & (logit > rules.rise.obstacle_level(floor)[:, None])
     if vehicle is not None:
-        cells = in_the_way(cells, seen, contact, polar, height_m, vehicle, rules.horizon_rad)
+        foot_seen = _foot_seen(seen, contact, _window_and_unseen(polar, rules)[0])
+        cells = in_the_way(cells, seen, contact, foot_seen, polar, height_m, vehicle, rules.horizon_rad)
         logit = np.where(cells, logit, np.minimum(logit, floor[:, None]))
         contact, alarm, _ = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
     # A slow rise leaves the contact in doubt by all its length.
@@ -229,8 +231,12 @@ def _from_contacts(
     farthest = _farthest_rows(seen)
     edge = np.where(contact >= 0, edge, np.where(farthest > window + unseen, farthest, 0))
     found = _in_metres(polar, outcome, edge, doubt + gap / 2, height_m, rules)
-    # A strip lower than half a window may be noise at the picture's rim.
-    return replace(found, contact_seen=found.contact_seen & (contact < visible - 1 - window // 2))
+    return replace(found, contact_seen=found.contact_seen & _foot_seen(seen, contact, window))
+
+
+def _foot_seen(seen: Mask, contact: Rows, window: int) -> Mask:
+    """(sectors,) whether ground is seen before the contact: half a window, less may be noise at the rim."""
+    return np.asarray(contact < _nearest_rows(seen) - 1 - window // 2)
 
 
 def _rows(angle_rad: float, polar: PolarView) -> int:

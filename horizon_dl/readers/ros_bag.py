@@ -24,7 +24,7 @@ from horizon_dl.logs.bags.files import bag_files
 from horizon_dl.logs.bags.loader import BagLoader, Place, placed
 from horizon_dl.logs.bags.messages import NANOSECOND, decoder, stamp_of
 from horizon_dl.logs.bags.mounted import Mounted, mounted
-from horizon_dl.logs.bags.pixels import bits_of, picture
+from horizon_dl.logs.bags.pixels import bits_of, is_wide, picture
 from horizon_dl.logs.bags.storage import Bag, Topic
 from horizon_dl.logs.bags.transforms import read_transforms
 from horizon_dl.logs.log_recording import headers_by_log
@@ -112,7 +112,7 @@ def _looked_at(bag: Bag, topic: Topic) -> tuple[tuple[int, ...], int]:
     """Shape of the pictures, and the bits that they use, by some of them over the whole bag.
 
     Raises:
-        InputError: none of them can be read.
+        FrameError: none of them can be read.
     """
     decode, step = decoder(bag, topic), max(1, topic.count // LOOKED_AT)
     shape: tuple[int, ...] | None = None
@@ -124,8 +124,10 @@ def _looked_at(bag: Bag, topic: Topic) -> tuple[tuple[int, ...], int]:
             message = decode(payload)
             shape = shape or picture(message, f"{bag.path}: {topic.name}").shape
             bits = max(bits, bits_of(message))
-        except FrameError as error:
-            problem = error
+            if not is_wide(message):
+                break
+        except InputError as error:
+            problem = FrameError(*error.args)
         if number > MOST_BROKEN and shape is None:
             break
     if shape is None:
@@ -165,7 +167,7 @@ def _attitude(
     times = arrivals if headless else stamps
     first, last = (stamp + given.time_offset_s for stamp in series.span_s)
     by_arrival = headless or last < times.min() or first > times.max()
-    said = _clock_notes(by_arrival, float(np.median(arrivals - stamps)), series)
+    said = _clock_notes(by_arrival, headless, float(np.median(arrivals - stamps)), series)
     if by_arrival and not headless:
         series = up_series(bag, tree, frame, given.topics, arrivals=True)
     if series is None:
@@ -179,10 +181,11 @@ def _attitude(
     return replace(found, by_arrival=by_arrival, notes=(*found.notes, *said))
 
 
-def _clock_notes(by_arrival: bool, late_s: float, series: Series) -> tuple[str, ...]:
+def _clock_notes(by_arrival: bool, headless: bool, late_s: float, series: Series) -> tuple[str, ...]:
     """What is to be known of the two clocks; `late_s` is from the pictures' stamps to their arrival."""
     if by_arrival:
-        return ("pictures and attitudes are paired by their times of arrival: their stamps never meet",)
+        why = "the pictures have no stamps" if headless else "their stamps never meet"
+        return (f"pictures and attitudes are paired by their times of arrival: {why}",)
     if series.late_s is None or abs(late_s - series.late_s) < CLOCKS_APART_S:
         return ()
     return (

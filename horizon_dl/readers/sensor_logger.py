@@ -38,8 +38,11 @@ def read(path: Path, given: Given) -> Recording:
     """
     folder = _folder(path)
     if folder is not None and path.is_dir() and not _films(folder) and _pictures(folder):
-        pictures = replace(given, attitude=given.attitude or str(folder))
-        return replace(image_files.read(folder / CAMERA, pictures), name=folder.resolve().name)
+        camera = given.camera or camera_beside(_pictures(folder)[0])
+        if camera is None and given.needs_attitude:
+            raise InputError(path, "does not tell its camera", "give it with --camera")
+        told = replace(given, camera=camera, attitude=given.attitude or str(folder))
+        return replace(image_files.read(folder / CAMERA, told), name=folder.resolve().name)
     films = [path] if path.is_file() else [] if folder is None else _films(folder)
     if folder is None or not films:
         raise InputError(path, "has no film in Camera", "record with the camera on")

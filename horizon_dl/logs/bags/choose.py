@@ -6,7 +6,7 @@ from itertools import islice
 from typing import Any
 
 from horizon_dl.errors import InputError
-from horizon_dl.logs.bags.attitudes import KINDS, oriented, read_orientations
+from horizon_dl.logs.bags.attitudes import IMU, KINDS, Orientations, oriented, read_orientations
 from horizon_dl.logs.bags.camera_info import KIND as INFO
 from horizon_dl.logs.bags.camera_info import base_topic
 from horizon_dl.logs.bags.frames import is_body
@@ -37,14 +37,19 @@ def check_named(bag: Bag, named: Sequence[str]) -> None:
 
 
 def first_message(bag: Bag, topic: Topic) -> Any:
-    """The first message of a topic.
+    """The first message of a topic that can be read, among its first ones.
 
     Raises:
         InputError: there is none, though the bag's index counts some.
     """
-    for _, raw in bag.messages(topic):
-        return decoder(bag, topic)(raw)
-    raise InputError(bag.path, f"holds no message of {topic.name}", "it was cut off; copy it again")
+    decode = decoder(bag, topic)
+    problem = InputError(bag.path, f"holds no message of {topic.name}", "it was cut off; copy it again")
+    for _, raw in islice(bag.messages(topic), LOOKED_AT):
+        try:
+            return decode(raw)
+        except InputError as error:
+            problem = error
+    raise problem
 
 
 def image_topic(bag: Bag, named: Sequence[str]) -> Topic:
@@ -94,30 +99,45 @@ def up_series(
     topics = [topic for topic in bag.topics.values() if topic.kind in KINDS and topic.count]
     chosen = [topic for topic in topics if topic.name in named]
     candidates = [_candidate(bag, tree, camera_frame, topic) for topic in chosen]
+    problems: list[InputError] = []
     if not chosen:
-        candidates = [one for topic in topics for one in _readable(bag, tree, camera_frame, topic)]
+        candidates = _readable(bag, tree, camera_frame, topics, problems)
     linked = None if chosen else transform_series(tree, camera_frame)
     for rank in sorted({one.rank for one in candidates} | ({(False, len(KINDS))} if linked else set())):
         if linked and rank == (False, len(KINDS)):
             return linked
         equal = [one for one in candidates if one.rank == rank]
-        found = [read_orientations(bag, one.topic) for one in equal]
-        joined = joined_imu(*found) if len(found) == 2 else None
-        if len(equal) > 1 and joined is None:
-            raise _several(bag, "attitudes", [one.topic.name for one in equal])
-        best = joined or found[0]
+        best = _one_of(bag, tree, [one.topic for one in equal])
         series = orientation_series(best, arrivals) or imu_series(best, arrivals)
         if series is not None:
             return replace(series, frame=best.frame)
+    if problems:
+        raise problems[0]
     return None
 
 
-def _readable(bag: Bag, tree: TransformTree, camera_frame: str, topic: Topic) -> list[_Candidate]:
-    """The topic; none where its messages cannot be read: others may do."""
-    try:
-        return [_candidate(bag, tree, camera_frame, topic)]
-    except InputError:
-        return []
+def _one_of(bag: Bag, tree: TransformTree, topics: Sequence[Topic]) -> Orientations:
+    """The only topic's attitudes, or of two IMUs that are one, apart; InputError for several."""
+    found = []
+    if len(topics) == 1 or (len(topics) == 2 and all(topic.kind == IMU for topic in topics)):
+        found = [read_orientations(bag, topic) for topic in topics]
+    joined = joined_imu(found[0], found[1], tree) if len(found) == 2 else None
+    if len(topics) > 1 and joined is None:
+        raise _several(bag, "attitudes", [topic.name for topic in topics])
+    return joined or found[0]
+
+
+def _readable(
+    bag: Bag, tree: TransformTree, camera_frame: str, topics: Sequence[Topic], problems: list[InputError]
+) -> list[_Candidate]:
+    """The topics whose messages can be read; the others' `problems` are told where none of these does."""
+    found = []
+    for topic in topics:
+        try:
+            found.append(_candidate(bag, tree, camera_frame, topic))
+        except InputError as error:
+            problems.append(error)
+    return found
 
 
 def _candidate(bag: Bag, tree: TransformTree, camera_frame: str, topic: Topic) -> _Candidate:

@@ -45,6 +45,13 @@ def bits_of(message: Any) -> int:
     return next((bits for bits in BITS if largest < 1 << bits), BITS[-1])
 
 
+def is_wide(message: Any) -> bool:
+    """Whether a picture has two bytes a number."""
+    if hasattr(message, "format"):
+        return is_deep(_decoded(message, ""))
+    return str(message.encoding).lower() in WIDE
+
+
 def picture(message: Any, where: str, bits: int = 8) -> Bytes:
     """(H, W, 3) uint8 RGB, as it is stored.
 

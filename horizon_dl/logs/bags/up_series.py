@@ -10,6 +10,7 @@ from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time
 from horizon_dl.geometry.attitude import MAX_GAP_S, bracket, interpolate, rotation_from_quaternion, unit
 from horizon_dl.logs.attitude_logs.inertial import around, ups_of_inertial
 from horizon_dl.logs.bags.attitudes import PX4, Orientations
+from horizon_dl.logs.bags.transforms import TransformTree
 
 Floats = NDArray[np.float64]
 
@@ -159,18 +160,43 @@ def imu_series(found: Orientations, arrivals: bool = False) -> Felt | None:
     return Felt(found.topic, found.frame, times, ups, down, note, _late_s(found, arrivals))
 
 
-def joined_imu(one: Orientations, other: Orientations) -> Orientations | None:
-    """A gyroscope and an accelerometer that publish apart, as one IMU at the gyroscope's times; else None."""
+def joined_imu(one: Orientations, other: Orientations, tree: TransformTree) -> Orientations | None:
+    """A gyroscope and an accelerometer that publish apart, as one IMU at the gyroscope's times; else None.
+
+    Their frames are the same, or joined by a tf that never turns. Where one of them is silent for long the
+    other says nothing either.
+    """
     for gyro, accelerometer in ((one, other), (other, one)):
-        if gyro.rates is None or accelerometer.forces is None or not len(accelerometer.stamps_s):
+        if gyro.rates is None or gyro.forces is None or accelerometer.forces is None:
             continue
         if not gyro.rates.any() or np.any(gyro.forces) or np.any(accelerometer.rates):
             continue
+        way = _constant_turn(tree, gyro.frame, accelerometer.frame)
+        stamped = [bool((found.stamps_s == found.arrivals_s).all()) for found in (gyro, accelerometer)]
         at_s, forces = by_time(accelerometer.stamps_s, accelerometer.forces, MOST_INERTIAL)
-        if len(at_s) > 1:
-            felt = np.stack([np.interp(gyro.stamps_s, at_s, axis) for axis in forces.T], axis=-1)
-            return replace(gyro, topic=f"{gyro.topic} and {accelerometer.topic}", forces=felt)
+        if way is None or stamped[0] != stamped[1] or len(at_s) < 2:
+            continue
+        after = np.clip(np.searchsorted(at_s, gyro.stamps_s), 1, len(at_s) - 1)
+        kept = (gyro.stamps_s >= at_s[0]) & (gyro.stamps_s <= at_s[-1])
+        kept &= at_s[after] - at_s[after - 1] <= MAX_GAP_S
+        felt = np.stack([np.interp(gyro.stamps_s[kept], at_s, axis) for axis in (forces @ way.T).T], axis=-1)
+        return replace(
+            gyro,
+            topic=f"{gyro.topic} and {accelerometer.topic}",
+            arrivals_s=gyro.arrivals_s[kept],
+            stamps_s=gyro.stamps_s[kept],
+            quaternions=gyro.quaternions[kept],
+            rates=gyro.rates[kept],
+            forces=felt,
+        )
     return None
+
+
+def _constant_turn(tree: TransformTree, target: str, source: str) -> Floats | None:
+    if target == source:
+        return np.eye(3)
+    joined = bool(target and source) and tree.connected(target, source) and tree.constant(target, source)
+    return tree.rotation(target, source, 0.0) if joined else None
 
 
 def _late_s(found: Orientations, arrivals: bool) -> float | None:
