@@ -60,9 +60,11 @@ def test_a_cluster_gives_the_same_figures_to_the_last_digit(cluster, tmp_path):
 
 
 @pytest.mark.slow
-def test_seeds_in_processes_beside_give_the_same_figures(tmp_path):
+@pytest.mark.parametrize("protocol", ["labelled-out", "prequential"])
+def test_seeds_in_processes_beside_give_the_same_figures(tmp_path, protocol):
     data = write_toy_set(tmp_path / "toy")
-    arguments = ["compare", str(data), *QUICK, "--seeds", "3"]
+    seeds = "3" if protocol == "labelled-out" else "2"
+    arguments = ["compare", str(data), *QUICK, "--seeds", seeds, "--protocol", protocol]
     torch.set_num_threads(1)  # as the processes have; sums differ by threads in their last digit
     assert main([*arguments, "--out", str(tmp_path / "one")]) == 0
     assert main([*arguments, "--out", str(tmp_path / "two"), "--jobs", "2"]) == 0

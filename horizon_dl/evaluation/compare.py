@@ -228,7 +228,7 @@ def _prequential(
     net = NetStream(store.config, seed)
     every: dict[str, StreamLearner] = {NET: net, FOREST: ForestStream(store.config, seed)}
     streams = {name: every[name] for name in learners}
-    validation = ProgressiveValidation(streams, store.config, store.recording.headers)
+    validation = ProgressiveValidation(streams, store.config, store.recording.headers, learners[0])
     for index, item in enumerate(_bar(split.train, f"online, seed {seed}", len(split.train), progress)):
         read = store.read(item)
         for frame, view in store.usable([(item, read)]):
