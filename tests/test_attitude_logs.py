@@ -15,7 +15,7 @@ from horizon_dl.data.attitude_log import AttitudeLog, angles_of_ups
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation
 from horizon_dl.logs.attitude_logs import gopro_track, klv
-from horizon_dl.logs.attitude_logs.inertial import log_of_inertial
+from horizon_dl.logs.attitude_logs.inertial import log_of_inertial, ups_of_inertial
 from horizon_dl.logs.attitude_logs.phone_axes import frd_from_phone
 from horizon_dl.logs.attitude_logs.registry import read_attitude_log
 
@@ -273,6 +273,14 @@ def test_sensor_logger_by_system(tmp_path: Path, metadata: str, sign: float) -> 
     assert rpy_deg(log)[0] == pytest.approx([0.0, -9.98, 0.0], abs=0.01)
     assert log.times_s[0] == pytest.approx(1.7e9)
     assert not log.has_yaw
+
+
+def test_after_a_pause_in_which_it_was_turned_up_is_right_again() -> None:
+    times_s = np.concatenate([np.arange(0, 5, 0.01), np.arange(30, 35, 0.01)])
+    tilt = np.where(times_s < 10, 0.0, np.radians(70.0))
+    forces = 9.81 * np.stack([np.sin(tilt), np.zeros_like(tilt), np.cos(tilt)], axis=-1)
+    ups = ups_of_inertial(times_s, np.zeros((len(times_s), 3)), forces)
+    np.testing.assert_allclose(ups / np.linalg.norm(ups, axis=1, keepdims=True), forces / 9.81, atol=1e-6)
 
 
 def test_a_start_under_way_is_no_tilt() -> None:

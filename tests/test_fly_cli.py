@@ -47,21 +47,32 @@ def model(flight: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ObstacleModel, "load", lambda *_: FlatModel(camera))
 
 
-def test_a_replay_reaches_the_peer(flight: Path, model: None, tmp_path: Path, capsys: Any) -> None:
-    from pymavlink.dialects.v20 import common
-
+def listening() -> socket.socket:
     peer = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     peer.bind(("127.0.0.1", 0))
     peer.settimeout(0.2)
-    out = tmp_path / "figures.json"
-    url = f"udpout:127.0.0.1:{peer.getsockname()[1]}"
-    fly.run(parsed("m.onnx", "--source", str(flight), "--mavlink", url, "--rate", "50", "--out", str(out)))
+    return peer
+
+
+def heard(peer: socket.socket) -> list[Any]:
+    """All MAVLink messages that came; closes the socket."""
+    from pymavlink.dialects.v20 import common
+
     parser, messages = common.MAVLink(None), []
     try:
         while True:
             messages += parser.parse_buffer(peer.recv(1000)) or []
     except TimeoutError:
         peer.close()
+    return messages
+
+
+def test_a_replay_reaches_the_peer(flight: Path, model: None, tmp_path: Path, capsys: Any) -> None:
+    peer = listening()
+    out = tmp_path / "figures.json"
+    url = f"udpout:127.0.0.1:{peer.getsockname()[1]}"
+    fly.run(parsed("m.onnx", "--source", str(flight), "--mavlink", url, "--rate", "50", "--out", str(out)))
+    messages = heard(peer)
     distances = [m.distances for m in messages if m.get_type() == "OBSTACLE_DISTANCE"]
     assert any(one[0] == 1001 for one in distances)
     assert {m.get_srcComponent() for m in messages} == {196}
@@ -94,21 +105,12 @@ class BoxModel(FlatModel):
 def test_a_low_box_blocks_a_vehicle_that_reaches_down_to_it(
     flight: Path, monkeypatch: pytest.MonkeyPatch, options: list[str], blocked: bool
 ) -> None:
-    from pymavlink.dialects.v20 import common
-
     camera = open_recording(flight).camera
     monkeypatch.setattr(ObstacleModel, "load", lambda *_: BoxModel(camera))
-    peer = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    peer.bind(("127.0.0.1", 0))
-    peer.settimeout(0.2)
+    peer = listening()
     url = f"udpout:127.0.0.1:{peer.getsockname()[1]}"
     fly.run(parsed("m.onnx", "--source", str(flight), "--mavlink", url, "--rate", "50", *options))
-    parser, messages = common.MAVLink(None), []
-    try:
-        while True:
-            messages += parser.parse_buffer(peer.recv(1000)) or []
-    except TimeoutError:
-        peer.close()
+    messages = heard(peer)
     ahead = {m.distances[0] for m in messages if m.get_type() == "OBSTACLE_DISTANCE"} - {65535}
     assert ahead
     if blocked:

@@ -14,7 +14,9 @@ from test_attitude_logs import phone_folder, rpy_deg
 from test_ros_attitude import pictures, pose, ros_q, ups_of
 from test_ros_bag import angle_deg
 
+from horizon_dl.cli import main
 from horizon_dl.data.attitude_log import AttitudeLog
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import Given
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy
@@ -43,6 +45,10 @@ def with_base(maker: Maker) -> tuple[Rows, np.ndarray]:
 
 def notes_of(path: Path, **given: Any) -> str:
     return " ".join(open_recording(path, given=Given(**given)).notes)
+
+
+def doubts_of(path: Path) -> str:
+    return " ".join(note for note in open_recording(path).notes if isinstance(note, Doubt))
 
 
 def test_a_header_that_names_a_world_says_not_what_is_turned(tmp_path: Path) -> None:
@@ -80,12 +86,15 @@ def test_a_driver_that_knows_its_orientation_a_little_later_is_still_first(tmp_p
     assert angle_deg(ups_of(path)[1:], ups[1:]) < 0.1
 
 
-def test_two_parents_of_a_frame_are_told(tmp_path: Path) -> None:
+def test_two_parents_of_a_frame_are_a_warning(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     maker = Maker()
     rows, _ = with_base(maker)
     rows += [("/tf", t, maker.transform(t, "odom", "base_link", ros_q(t))) for t in TIMES]
     rows += [("/tf", t + 1e-3, maker.transform(t, "world", "base_link", ros_q(t))) for t in TIMES]
-    assert "two parents, odom and world" in notes_of(maker.write(tmp_path / "made", rows))
+    path = maker.write(tmp_path / "made", rows)
+    assert "two parents, odom and world" in doubts_of(path)
+    assert main(["check-data", str(path)]) == 0
+    assert "warning  Tf gives base_link two parents" in capsys.readouterr().out
 
 
 def moving_imu(
@@ -168,18 +177,9 @@ def test_a_damaged_picture_is_left_out_and_no_more(tmp_path: Path, monkeypatch: 
 def test_where_nothing_can_be_read_the_reason_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from horizon_dl.logs.bags import choose
-
     maker = Maker()
-    rows, _, _ = flight(maker)
-    path, decoder = maker.write(tmp_path / "made", rows), choose.decoder
-
-    def broken(bag: Any, topic: Any) -> Any:
-        if topic.name == "/imu":
-            raise InputError(path, "has a broken definition", "copy it again")
-        return decoder(bag, topic)
-
-    monkeypatch.setattr(choose, "decoder", broken)
+    path = maker.write(tmp_path / "made", flight(maker)[0])
+    break_topic(monkeypatch, "/imu")
     with pytest.raises(InputError, match="has a broken definition"):
         open_recording(path)
 
@@ -237,24 +237,30 @@ def test_stamps_of_two_clocks_are_told(tmp_path: Path, apart_s: float) -> None:
     for topic, _, message in rows:
         if topic.startswith("/camera"):
             message.header.stamp.sec += int(apart_s)
-    said = notes_of(maker.write(tmp_path / "made", rows))
+    said = doubts_of(maker.write(tmp_path / "made", rows))
     assert ("one clock may be wrong" in said) == (apart_s > 0)
 
 
-def test_a_topic_that_cannot_be_read_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def break_topic(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Nothing can be made of a topic's messages."""
     from horizon_dl.logs.bags import choose
 
-    maker = Maker()
-    rows, _, ups = flight(maker)
-    rows += [("/odom", t, pose(maker, t, ros_q(t), "base_link")) for t in TIMES]
-    path, decoder = maker.write(tmp_path / "made", rows), choose.decoder
+    decoder = choose.decoder
 
     def broken(bag: Any, topic: Any) -> Any:
-        if topic.name == "/odom":
-            raise InputError(path, "cannot be read", "copy it again")
+        if topic.name == name:
+            raise InputError(bag.path, "has a broken definition", "copy it again")
         return decoder(bag, topic)
 
     monkeypatch.setattr(choose, "decoder", broken)
+
+
+def test_a_topic_that_cannot_be_read_is_left_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    maker = Maker()
+    rows, _, ups = flight(maker)
+    rows += [("/odom", t, pose(maker, t, ros_q(t), "base_link")) for t in TIMES]
+    path = maker.write(tmp_path / "made", rows)
+    break_topic(monkeypatch, "/odom")
     assert angle_deg(ups_of(path), ups) < 0.1
 
 
@@ -389,7 +395,9 @@ def test_pictures_of_a_phone_find_their_attitude(tmp_path: Path, camera: Path) -
 def test_without_metadata_the_sign_is_in_doubt(tmp_path: Path) -> None:
     folder = phone_folder(tmp_path / "export", "", 1.0)
     (folder / "Metadata.csv").unlink()
-    assert "wrong sign" in read_attitude_log(folder).notes[0]
+    (doubt,) = read_attitude_log(folder).notes
+    assert isinstance(doubt, Doubt)
+    assert "wrong sign" in doubt
 
 
 def test_a_phone_without_a_focal_length_says_so(tmp_path: Path) -> None:

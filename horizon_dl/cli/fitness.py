@@ -26,6 +26,7 @@ def stop_if_unfit(source: "FrameSource", config: "Config", *, force: bool) -> No
     Raises:
         InputError: the data cannot work, and `force` is not set.
     """
+    from horizon_dl.data.doubt import Doubt
     from horizon_dl.data.source import Recording
     from horizon_dl.errors import InputError
     from horizon_dl.inspection.quick_check import quick_check
@@ -38,7 +39,8 @@ def stop_if_unfit(source: "FrameSource", config: "Config", *, force: bool) -> No
             hint = f"\n  -> {finding.hint}" if finding.hint else ""
             say(with_level(f"{finding.level}: {finding.text}{hint}", sys.stderr))
     for note in source.notes:
-        say(f"note: {note}")
+        level = "warning" if isinstance(note, Doubt) else "note"
+        say(with_level(f"{level}: {note}", sys.stderr))
     if check.level == "problem" and not force:
         problem = check.verdict.removeprefix("This data ").rstrip(".")
         if check.unreadable > check.sampled / 2:

@@ -71,6 +71,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     predictor.check(source)
     if arguments.video and not can_film():
         raise InputError("--video", "needs av", "pip install 'horizon-dl[logs]'")
+    _say_without_height(arguments, source)
     length = _length(arguments, source)
     every = arguments.every or every_nth(length)
     if every > 1:
@@ -104,6 +105,14 @@ def every_nth(length: int | None) -> int:
         (1, 2, 18, 1)
     """
     return 1 if length is None else max(1, -(-length // MOST_PANELS))
+
+
+def _say_without_height(arguments: argparse.Namespace, source: "FrameSource") -> None:
+    from horizon_dl.data.source import Recording
+
+    asked = arguments.vehicle_height is not None and arguments.vehicle_height.below_m > 0
+    if asked and isinstance(source, Recording) and all(one.height_m is None for one in source.headers):
+        print("no height of the camera is known: --vehicle-height lets nothing pass, all obstacles block")
 
 
 def _length(arguments: argparse.Namespace, source: "FrameSource") -> int | None:

@@ -1,9 +1,9 @@
 """The comparison: net, forest and training-free baselines on the same frames of one recording."""
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from horizon_dl.config import Config
@@ -66,6 +66,29 @@ class Comparison:
     net: HorizonFCN | None = None
 
 
+@dataclass(frozen=True)
+class _Task:
+    """What is to be learned and scored in one go.
+
+    Attributes:
+        store: where the frames come from.
+        split: which are learned from, and which scored.
+        seed: of the learners.
+        learners: their names; the first one's distances are measured.
+        on_frame: called with every test frame.
+        progress: show progress bars.
+        workers: see `compare`; `prequential` asks none.
+    """
+
+    store: FrameStore
+    split: Split
+    seed: int
+    learners: Sequence[str]
+    on_frame: OnFrame | None = None
+    progress: bool = False
+    workers: Workers = SERIAL
+
+
 def compare(
     recording: Recording,
     config: Config,
@@ -97,9 +120,8 @@ def compare(
     """
     split = split_recording(recording, protocol)
     store = FrameStore(recording, config)
-    run = _prequential if protocol == "prequential" else _offline
     ranging = RangingBlock(recording.headers, config.ranging_params, vehicle)
-    watch = watching(ranging, on_frame)
+    task = _Task(store, split, seeds[0], LEARNERS, watching(ranging, on_frame), progress, workers)
     found: dict[Part, MethodAccumulator] = {}
     with processes_beside(jobs) as beside:
         own, *others = dealt(seeds, 1 + len(beside))
@@ -108,19 +130,20 @@ def compare(
             for executor, share in zip(beside, others, strict=True)
             for part in share
         }
-        first, net, evidence = run(store, split, seeds[0], LEARNERS, watch, progress, workers)
+        first, net, evidence = _run(protocol, task)
         _check(started.values())
         baselines = _baselines(store, split.test, progress, workers)
         for learner, seed in own:
             _check(started.values())
-            found |= _by_part(run(store, split, seed, (learner,), None, progress, workers)[0], seed)
+            further = replace(task, seed=seed, learners=(learner,), on_frame=None)
+            found |= _by_part(_run(protocol, further)[0], seed)
         for (_, seed), future in started.items():
             found |= _by_part(future.result(), seed)
     found |= _by_part(first, seeds[0])
     accumulators = {name: [found[name, seed] for seed in seeds] for name in LEARNERS}
     accumulators |= {name: [accumulator] for name, accumulator in baselines.items()}
     rule = PaperThreshold(config.threshold.percentile).rule
-    methods = {name: method_metrics(found, rule) for name, found in accumulators.items()}
+    methods = {name: method_metrics(one, rule) for name, one in accumulators.items()}
     assert net is not None  # the first seed is of all learners
     evidence = evidence or evidence_of(net, store, split.train)
     methods[NET]["self_assessment"] = evidence["self_assessment"]
@@ -151,9 +174,12 @@ def _run_part(
     recording: Recording, config: Config, protocol: Protocol, part: Part
 ) -> dict[str, MethodAccumulator]:
     """A learner under a seed, in a process of its own."""
-    store, split = FrameStore(recording, config), split_recording(recording, protocol)
-    run = _prequential if protocol == "prequential" else _offline
-    return run(store, split, part[1], part[:1], None, False, SERIAL)[0]
+    split = split_recording(recording, protocol)
+    return _run(protocol, _Task(FrameStore(recording, config), split, part[1], part[:1]))[0]
+
+
+def _run(protocol: Protocol, task: _Task) -> Learned:
+    return _prequential(task) if protocol == "prequential" else _offline(task)
 
 
 def split_recording(recording: Recording, protocol: Protocol) -> Split:
@@ -168,37 +194,30 @@ def split_recording(recording: Recording, protocol: Protocol) -> Split:
     return split
 
 
-def _offline(
-    store: FrameStore,
-    split: Split,
-    seed: int,
-    learners: Sequence[str],
-    on_frame: OnFrame | None,
-    progress: bool,
-    workers: Workers,
-) -> Learned:
+def _offline(task: _Task) -> Learned:
+    store, split, seed, learners = task.store, task.split, task.seed, task.learners
     methods: dict[str, Method] = {}
     thresholds: dict[str, float] = {}
     train_s: dict[str, float] = {}
     net: HorizonFCN | None = None
     start = time.perf_counter()
     if NET in learners:
-        net = train_net(store, split.train, seed=seed, progress=progress)
+        net = train_net(store, split.train, seed=seed, progress=task.progress)
         train_s[NET] = time.perf_counter() - start
         methods[NET] = NetMethod(net, store.config.geodesic)
         thresholds[NET] = entropy_threshold(net, store, split.train)
     start = time.perf_counter()
     if FOREST in learners:
-        forest = fit_forest(store, split.train, seed, workers)
+        forest = fit_forest(store, split.train, seed, task.workers)
         train_s[FOREST] = time.perf_counter() - start
         methods[FOREST] = forest
-        thresholds[FOREST] = _forest_threshold(forest, store, split.train, workers)
-    readings = read_frames(methods, store, split.test, workers)
-    bar = _bar(readings, f"test, seed {seed}", len(split.test), progress)
+        thresholds[FOREST] = _forest_threshold(forest, store, split.train, task.workers)
+    readings = read_frames(methods, store, split.test, task.workers)
+    bar = _bar(readings, f"test, seed {seed}", len(split.test), task.progress)
     # What is drawn is what would be flown, so the net's evidence is needed before the first frame.
-    evidence = evidence_of(net, store, split.train) if on_frame and net is not None else {}
+    evidence = evidence_of(net, store, split.train) if task.on_frame and net is not None else {}
     places = {NET: place_of(evidence, NET)}
-    accumulators = accumulate(bar, thresholds, store.config.labels.band_rad, on_frame, places)
+    accumulators = accumulate(bar, thresholds, store.config.labels.band_rad, task.on_frame, places)
     for name, seconds in train_s.items():
         accumulators[name].train_s = seconds
     return accumulators, net, evidence
@@ -216,20 +235,12 @@ def _forest_threshold(
     return paper_threshold(frames, store.config.threshold.percentile)
 
 
-def _prequential(
-    store: FrameStore,
-    split: Split,
-    seed: int,
-    learners: Sequence[str],
-    on_frame: OnFrame | None,
-    progress: bool,
-    _: Workers,
-) -> Learned:
-    net = NetStream(store.config, seed)
-    every: dict[str, StreamLearner] = {NET: net, FOREST: ForestStream(store.config, seed)}
-    streams = {name: every[name] for name in learners}
+def _prequential(task: _Task) -> Learned:
+    store, split, seed, learners = task.store, task.split, task.seed, task.learners
+    kinds: dict[str, Callable[[Config, int], StreamLearner]] = {NET: NetStream, FOREST: ForestStream}
+    streams = {name: kinds[name](store.config, seed) for name in learners}
     validation = ProgressiveValidation(streams, store.config, store.recording.headers, learners[0])
-    for index, item in enumerate(_bar(split.train, f"online, seed {seed}", len(split.train), progress)):
+    for index, item in enumerate(_bar(split.train, f"online, seed {seed}", len(split.train), task.progress)):
         read = store.read(item)
         for frame, view in store.usable([(item, read)]):
             scored = validation.scores(index, frame)
@@ -240,13 +251,14 @@ def _prequential(
                     maps[name] = stream.score_maps(frame, view) if scored else stream.quick_maps(view)
                     validation.accumulators[name].add_time(time.perf_counter() - start)
             found = validation.update(index, frame, view, maps)
-            if found is not None and on_frame:
-                on_frame(found)
+            if found is not None and task.on_frame:
+                task.on_frame(found)
             for stream in streams.values():
                 stream.learn(view)
     for name, stream in streams.items():
         validation.accumulators[name].train_s = stream.learn_s
-    return validation.accumulators, net.net, {}
+    learned = streams.get(NET)
+    return validation.accumulators, learned.net if isinstance(learned, NetStream) else None, {}
 
 
 def _baselines(

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.finding import Finding, Level, verdict_of
 from horizon_dl.inspection.orientation_findings import convention_finding, mount_finding
@@ -307,7 +308,8 @@ def _truth(check: DataCheck) -> Iterator[Finding]:
 
 def _notes(check: DataCheck) -> Iterator[Finding]:
     for note in check.notes:
-        yield Finding("ok", f"{note[:1].upper()}{note[1:].rstrip('.')}.")
+        level: Level = "warning" if isinstance(note, Doubt) else "ok"
+        yield Finding(level, f"{note[:1].upper()}{note[1:].rstrip('.')}.")
 
 
 RULES: tuple[Rule, ...] = (

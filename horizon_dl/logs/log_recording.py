@@ -6,6 +6,7 @@ from pathlib import Path
 
 from horizon_dl.calibration.calibration import Calibration
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.errors import InputError
@@ -55,7 +56,7 @@ def headers_by_log(
     few = (
         ()
         if inside >= OVERLAP_SHARE * len(names)
-        else (f"Only {inside} of {len(names)} frames lie inside the log; {suggestion(times_s, log)}.",)
+        else (Doubt(f"Only {inside} of {len(names)} frames lie inside the log; {suggestion(times_s, log)}."),)
     )
     return headers, moved, (f"Clocks: {ranges}.", *few, *log.notes)
 

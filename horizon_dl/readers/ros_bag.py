@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from horizon_dl.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.attitude_log import AttitudeLog
 from horizon_dl.data.convention import Convention, Reading, reading_with
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.source import Recording
@@ -37,7 +38,7 @@ LOOKED_AT = 16
 MOST_BROKEN = 100
 """First pictures that may be broken before the topic is given up."""
 CLOCKS_APART_S = 0.3
-"""Pictures arrive later than attitudes, but seldom by so much."""
+"""Pictures arrive later than attitudes, but seldom by so much. Not picked on data."""
 NEEDS = "a ROS bag (.bag, .db3, .mcap, or the folder of one) with pictures"
 
 
@@ -189,6 +190,8 @@ def _clock_notes(by_arrival: bool, headless: bool, late_s: float, series: Series
     if series.late_s is None or abs(late_s - series.late_s) < CLOCKS_APART_S:
         return ()
     return (
-        f"by the times of arrival the pictures' stamps are {series.late_s - late_s:+.1f} s against those of "
-        f"{series.topic}: one clock may be wrong, --time-offset=auto finds it from the pictures",
+        Doubt(
+            f"by the times of arrival the pictures' stamps are {series.late_s - late_s:+.1f} s against those "
+            f"of {series.topic}: one clock may be wrong, --time-offset=auto finds it from the pictures"
+        ),
     )

@@ -64,7 +64,8 @@ class FilmPicture:
             return [("flown: nothing, no attitude", self._empty()), ("from above: nothing", self._empty())]
         above = draw_top_view(ranges, self._cell_width, self._cell_height or 1)
         picture = cells.picture(drawn_ranges(prediction, ranges))
-        return [(ranges_title(ranges), picture), ("the same from above, heading", above)]
+        title = "the same from above, heading" if ranges.has_metres else "from above: bearings, no metres"
+        return [(ranges_title(ranges), picture), (title, above)]
 
     def _empty(self) -> Image:
         return np.full((self._cell_height or 1, self._cell_width, 3), EMPTY, np.uint8)

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from horizon_dl.data.attitude_log import AttitudeLog, Floats, angles_of_ups, log_of_angles
-from horizon_dl.data.imu import gyro_bias, still_bias
+from horizon_dl.data.imu import LONGEST_STEP_S, gyro_bias, still_bias
 
 WINDOW_S = 10.0
 """On each side. Shorter ones feel manoeuvres, longer ones the gyroscope's drift."""
@@ -51,6 +51,13 @@ def ups_of_inertial(times_s: Floats, rates: Floats, forces: Floats) -> Floats:
 
 
 def _ups(times_s: Floats, rates: Floats, forces: Floats) -> Floats:
+    """Each side of a longer gap by itself: how it was turned meanwhile nobody knows."""
+    ends = np.flatnonzero(np.diff(times_s) > LONGEST_STEP_S) + 1
+    parts = (np.split(values, ends) for values in (times_s, rates, forces))
+    return np.concatenate([_ups_of_part(*part) for part in zip(*parts, strict=True)])
+
+
+def _ups_of_part(times_s: Floats, rates: Floats, forces: Floats) -> Floats:
     start_from_body = turned(times_s, rates)
     ups = around(times_s, np.einsum("nij,nj->ni", start_from_body, forces))
     return np.asarray(np.einsum("nji,nj->ni", start_from_body, ups))

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from horizon_dl.data.attitude_log import AttitudeLog, Floats, angles_of_ups, log_of_angles
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time, column, read_table
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs.inertial import log_of_inertial
@@ -53,7 +54,7 @@ def _sign(folder: Path) -> tuple[float, tuple[str, ...]]:
     """-1 where the system lets gravity point down (iOS, unless its units were made standard), else 1."""
     metadata = folder / "Metadata.csv"
     if not metadata.is_file():
-        note = (
+        note = Doubt(
             "No Metadata.csv: taken as Android's axes. Of iOS they would give the pitch the wrong sign: "
             "check the horizon in the pictures."
         )

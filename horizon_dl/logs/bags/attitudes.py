@@ -1,7 +1,7 @@
 """Topics that tell how something is turned against the world: read into one kind of series."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -158,9 +158,5 @@ def _with_checked_world(found: Orientations) -> Orientations:
     if size < 2.0:  # gravity was taken out
         return found
     if abs(mean[2]) < ALIGNED * size:
-        return _replaced(found, quaternions=np.full_like(found.quaternions, np.nan))
-    return found if mean[2] > 0 else _replaced(found, up_world=(0.0, 0.0, -1.0), z_down=True)
-
-
-def _replaced(found: Orientations, **values: Any) -> Orientations:
-    return Orientations(**{**vars(found), **values})
+        return replace(found, quaternions=np.full_like(found.quaternions, np.nan))
+    return found if mean[2] > 0 else replace(found, up_world=(0.0, 0.0, -1.0), z_down=True)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.geometry.attitude import MAX_GAP_S, interpolate, rotation_from_quaternion
 from horizon_dl.logs.bags.messages import decoder, frame_name, header_of
 from horizon_dl.logs.bags.storage import Bag
@@ -113,7 +114,7 @@ def read_transforms(bag: Bag) -> TransformTree:
         quaternions = np.array([row[1] for row in rows])
         links[child] = Link(parents[child], np.array([row[0] for row in rows]), quaternions)
     notes = [
-        f"tf gives {child} two parents, {parents[child]} and {other}: the first is taken, check the horizon"
+        Doubt(f"tf gives {child} two parents, {parents[child]} and {other}: the first is taken")
         for child, other in refused.items()
     ]
     return TransformTree(links, tuple(notes))

@@ -15,9 +15,9 @@ from horizon_dl.logs.bags.transforms import TransformTree
 Floats = NDArray[np.float64]
 
 LEAST_GRAVITY = 5.0
-"""m/s^2 of the median force; less is no accelerometer's with gravity in it."""
+"""m/s^2 of the median force; less is no accelerometer's with gravity in it. Not picked on data."""
 SILENT_WINDOW_S = 0.25
-"""On each side of a moment; a hand or a drone turns little in it."""
+"""On each side of a moment; a hand or a drone turns little in it. Not picked on data."""
 
 
 class UpSeries(Protocol):
