@@ -1,7 +1,8 @@
-"""The simulated arena: exact geometry, safe flights, the embedded set."""
+"""Simulated worlds: exact geometry, safe flights, the embedded set."""
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -14,14 +15,18 @@ from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation import rendering
 from horizon_dl.simulation import simulate as simulate_module
 from horizon_dl.simulation.embedded import DEPTH_EVERY, FRAMES, SEED, embedded_set
-from horizon_dl.simulation.flight import CLEARANCE_M, HEIGHT_M, RATE_HZ, plan_arena_and_flight
-from horizon_dl.simulation.layout import Arena, Solid, draw_arena
+from horizon_dl.simulation.flight import CLEARANCE_M, RATE_HZ, fitting_flight
+from horizon_dl.simulation.layout import Arena, at_a_wall
 from horizon_dl.simulation.noise import value_noise
 from horizon_dl.simulation.pose import optical_axes
+from horizon_dl.simulation.rig import DRONE
 from horizon_dl.simulation.scene import Face, Scene
 from horizon_dl.simulation.sensor import GAMMA, TARGET, AutoExposure, develop
-from horizon_dl.simulation.shots import Shot, render_flight
+from horizon_dl.simulation.shots import Conditions, Shot, draw_flight, render_flight
 from horizon_dl.simulation.simulate import simulate
+from horizon_dl.simulation.solid import Solid
+from horizon_dl.simulation.things import shelf
+from horizon_dl.simulation.worlds import AT_WALLS, INDOORS, OUTDOORS, WORLDS
 
 LOOKING_NORTH = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # columns right (east), down, forward
 YARD = Arena(12.0, 12.0, 3.0, True, ("green", "blue", "grey"), ())
@@ -99,7 +104,9 @@ def test_embedded_set_is_neither_trivial_nor_one_sided() -> None:
 
 def test_embedded_set_is_what_the_command_renders(gl: None) -> None:
     indices = {5, 95}
-    for index, shot in zip(sorted(indices), render_flight(FRAMES, SEED, 320, 240, indices), strict=True):
+    drawn, conditions = draw_flight(WORLDS["arena"], SEED, FRAMES), Conditions(SEED, FRAMES)
+    shots = render_flight(*drawn, conditions, (320, 240), indices)
+    for index, shot in zip(sorted(indices), shots, strict=True):
         labels, depth = label_and_depth(f"{index:05d}.png")
         assert (shot.truth == labels).mean() > 0.999
         away = np.abs(shot.depth_m * 1000 - depth)[shot.truth == labels]
@@ -189,8 +196,9 @@ def test_a_seed_stands_for_a_set(gl: None, tmp_path: Path) -> None:
     assert set(np.unique(frame.truth)) <= {1, 2, 3}
 
 
-def test_seeds_differ() -> None:
-    first, second = (draw_arena(np.random.default_rng(seed)) for seed in (3, 4))
+@pytest.mark.parametrize("world", WORLDS)
+def test_seeds_differ(world: str) -> None:
+    first, second = (WORLDS[world].draw(np.random.default_rng(seed)) for seed in (3, 4))
     assert first.length_m != second.length_m
     assert not set(first.solids) & set(second.solids)
 
@@ -222,15 +230,16 @@ def test_nothing_half_rendered_stays(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert not list(tmp_path.iterdir())
 
 
-# Arena and flight
+# Worlds and flights
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_flights_keep_clear_of_everything(seed: int) -> None:
-    arena, flight = plan_arena_and_flight(
-        np.random.default_rng(seed), np.random.default_rng(seed + 100), 40.0
-    )
-    assert len(arena.solids) >= 8
+@pytest.mark.parametrize("world", WORLDS)
+@pytest.mark.parametrize("seed", range(3))
+def test_flights_keep_clear_of_everything(world: str, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    rig = WORLDS[world].rig(rng)
+    arena, flight = fitting_flight(rng, WORLDS[world].draw(rng), 40.0, rig.height_m)
+    assert len(arena.solids) >= 6
     for x, y in flight.place[::40, :2]:  # outlines traced point by point, not by the planner's own formula
         for solid in arena.solids:
             corners = np.array([(a, b) for a in np.linspace(-1, 1, 21) for b in (-1.0, 1.0)])
@@ -241,13 +250,14 @@ def test_flights_keep_clear_of_everything(seed: int) -> None:
             assert np.abs(turn + solid.x + 1j * solid.y - (x + 1j * y)).min() >= CLEARANCE_M
         assert arena.length_m / 2 - abs(x) >= CLEARANCE_M
         assert arena.width_m / 2 - abs(y) >= CLEARANCE_M
-    assert flight.place[:, 2].min() >= HEIGHT_M[0]
-    assert flight.place[:, 2].max() <= HEIGHT_M[1]
-    assert np.ptp(flight.place[:, 2]) > 0.8
+    low, high = rig.height_m
+    assert low <= flight.place[:, 2].min() <= flight.place[:, 2].max() <= high
+    assert np.ptp(flight.place[:, 2]) > 0.4 * (high - low)
 
 
 def test_tilt_goes_with_acceleration() -> None:
-    _, flight = plan_arena_and_flight(np.random.default_rng(1), np.random.default_rng(2), 60.0)
+    rng = np.random.default_rng(1)
+    _, flight = fitting_flight(rng, WORLDS["arena"].draw(rng), 60.0, DRONE.height_m)
     acceleration = np.gradient(np.gradient(flight.place[:, :2], axis=0), axis=0) * RATE_HZ**2
     roll, pitch, yaw = flight.rpy_rad.T
     north, east = acceleration[:, 0], -acceleration[:, 1]
@@ -255,6 +265,58 @@ def test_tilt_goes_with_acceleration() -> None:
     assert np.corrcoef(-pitch, north * np.cos(yaw) + east * np.sin(yaw))[0, 1] > 0.6
     assert np.rad2deg(roll.std()) > 2
     assert np.abs(np.diff(yaw)).max() * RATE_HZ < np.deg2rad(250)  # no jumps
+
+
+@pytest.mark.parametrize("draw", sorted({draw for _, draw in (*AT_WALLS, *INDOORS, *OUTDOORS)}, key=str))
+def test_parts_of_things_lie_within_their_outline(draw: Callable[[np.random.Generator], Solid]) -> None:
+    """A flight keeps clear of outlines alone; but one flies under the crowns of trees."""
+    for seed in range(20):
+        solid = draw(np.random.default_rng(seed))
+        for part in solid.parts:
+            assert 0 <= part.low_m < part.high_m <= solid.height_m
+            if solid.kind != "tree" or part.low_m == 0:
+                assert abs(part.x) + part.half_x <= solid.half_x + 1e-9
+                assert abs(part.y) + part.half_y <= solid.half_y + 1e-9
+
+
+def test_furniture_stands_with_its_back_at_a_wall() -> None:
+    rng, sides = np.random.default_rng(0), set()
+    for _ in range(40):
+        solid = at_a_wall(rng, shelf(rng), YARD)
+        assert solid is not None
+        back = np.array((solid.x, solid.y)) - solid.half_x * np.array(
+            (np.cos(solid.turn_rad), np.sin(solid.turn_rad))
+        )
+        assert np.abs(back).max() == pytest.approx(6.0 - 0.05)
+        sides.add((int(np.abs(back).argmax()), bool(back[np.abs(back).argmax()] > 0)))
+    assert len(sides) == 4
+
+
+@pytest.mark.parametrize("world", [name for name in WORLDS if name != "arena"])
+def test_other_worlds_agree_with_the_geometry_too(world: str, gl: None, tmp_path: Path) -> None:
+    """Depth, labels, camera file with its own lens and mount, attitude and the project's own geometry."""
+    lenses = set()
+    for seed in (1, 2):
+        simulate(tmp_path / str(seed), frames=3, seed=seed, world=world, width=160, height=120)
+        recording = open_recording(tmp_path / str(seed))
+        lenses.add((recording.calibrated.fx, *recording.headers[0].up_cam))
+        for index in range(3):
+            frame = recording.read(index)
+            stem = Path(frame.name).stem
+            labels = np.array(Image.open(tmp_path / str(seed) / "labels" / f"{stem}.png"))
+            depth = np.array(Image.open(tmp_path / str(seed) / "depth" / f"{stem}.png"))
+            height = pixel_rays(160, 120, frame.camera.fx) * depth[..., None] / 1000.0 @ frame.up_cam
+            assert np.abs(height[labels == Truth.FLOOR] + frame.height_m).max() < 0.004
+            assert height[labels == Truth.OBSTACLE].min() > -frame.height_m - 0.004
+            # The sky has no depth; a ceiling lies over the camera.
+            assert (height[labels == Truth.ABOVE] >= 0).all()
+    assert len(lenses) == 2
+
+
+def test_a_world_that_there_is_not(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"no world 'moon'.*arena, clutter, outdoor"):
+        simulate(tmp_path / "set", frames=3, seed=0, world="moon")
+    assert not list(tmp_path.iterdir())
 
 
 def test_distance_to_solids_by_hand() -> None:

@@ -1,8 +1,8 @@
-"""Public data sets, and the simulated arena.
+"""Public data sets, and simulated worlds.
 
 horizon-dl data list                      what can be fetched
 horizon-dl data fetch NAME --out DIR      from its official host, checked by hash
-horizon-dl data simulate --out DIR        a new flight through the simulated arena (needs the extra 'sim')
+horizon-dl data simulate --out DIR        a new flight through a simulated world (needs the extra 'sim')
 """
 
 import argparse
@@ -11,6 +11,7 @@ from typing import Any
 
 from horizon_dl.cli.console import add_console
 from horizon_dl.cli.options import positive_int
+from horizon_dl.simulation.worlds import WORLDS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,13 +21,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     fetch = actions.add_parser("fetch", help="download a public set")
     fetch.add_argument("name", metavar="NAME")
     fetch.add_argument("--out", type=Path, metavar="DIR", help="where to write (default: NAME)")
-    simulate = actions.add_parser("simulate", help="render a simulated arena flight")
+    simulate = actions.add_parser("simulate", help="render a flight through a simulated world")
     simulate.add_argument(
         "--out", type=Path, default=Path("simulated"), metavar="DIR", help="(default: simulated)"
     )
     simulate.add_argument("--frames", type=positive_int, default=160, metavar="N", help="(default: 160)")
     simulate.add_argument(
-        "--seed", type=int, default=0, metavar="N", help="another arena and flight (default: 0)"
+        "--seed", type=int, default=0, metavar="N", help="another world and flight (default: 0)"
+    )
+    simulate.add_argument(
+        "--world",
+        choices=tuple(WORLDS),
+        default="arena",
+        help="; ".join(f"{name}: {world.what}" for name, world in WORLDS.items()) + " (default: arena)",
     )
     for action in actions.choices.values():
         add_console(action)
@@ -58,9 +65,10 @@ def _fetch(arguments: argparse.Namespace) -> dict[str, Any]:
 def _simulate(arguments: argparse.Namespace) -> dict[str, Any]:
     from horizon_dl.simulation.simulate import simulate
 
-    simulate(arguments.out, frames=arguments.frames, seed=arguments.seed, progress=True)
-    print(f"wrote {arguments.frames} frames to {arguments.out}; next: horizon-dl check-data {arguments.out}")
-    return {"out": arguments.out, "frames": arguments.frames}
+    out, frames = arguments.out, arguments.frames
+    simulate(out, frames=frames, seed=arguments.seed, world=arguments.world, progress=True)
+    print(f"wrote {frames} frames to {out}; next: horizon-dl check-data {out}")
+    return {"out": out, "frames": frames, "world": arguments.world}
 
 
 _ACTIONS = {"list": _list, "fetch": _fetch, "simulate": _simulate}

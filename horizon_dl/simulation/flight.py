@@ -1,11 +1,11 @@
-"""A drone's flight through an arena: smooth path with clearance, heading, tilt from acceleration."""
+"""A flight through an arena: smooth path with clearance, heading, tilt from acceleration."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.simulation.layout import Arena, draw_arena
+from horizon_dl.simulation.layout import Arena
 
 RATE_HZ = 200.0
 CLEARANCE_M = 0.7  # kept to every wall and solid, at any height
@@ -13,7 +13,6 @@ LEG_CLEARANCE_M = 0.85  # of the straight legs, before their corners are rounded
 CORNER_CLEARANCE_M = 1.2  # of the corners: rounding moves the path inwards by up to 0.45 m
 WALL_CLEARANCE_M = 1.6  # of the corners to the walls, so that the view is seldom one bare wall
 ROUNDING_S = 0.3
-HEIGHT_M = (0.6, 2.5)
 GRAVITY = 9.81
 _ATTEMPTS = 20
 
@@ -128,14 +127,23 @@ def _tilt(rng: np.random.Generator, acceleration: Floats, yaw: Floats) -> tuple[
     return roll, np.clip(np.arctan2(-forward, GRAVITY) + unrest[:, 1], -limit, limit)
 
 
-def _heights(rng: np.random.Generator, count: int) -> Floats:
-    low, high = HEIGHT_M
+def _heights(rng: np.random.Generator, count: int, bounds_m: tuple[float, float]) -> Floats:
+    low, high = bounds_m
     swing = np.tanh(1.6 * _wander(rng, count, 1.4)[:, 0])
     return (low + high) / 2 + (high - low) / 2 * 0.98 * swing
 
 
-def plan_flight(rng: np.random.Generator, arena: Arena, duration_s: float) -> Flight | None:
-    """A random flight of about 1.2 m/s that keeps `CLEARANCE_M` to everything; None if there is no room."""
+def plan_flight(
+    rng: np.random.Generator, arena: Arena, duration_s: float, height_m: tuple[float, float]
+) -> Flight | None:
+    """A random flight of about 1.2 m/s that keeps `CLEARANCE_M` to everything; None if there is no room.
+
+    Args:
+        rng: of the path.
+        arena: flown through.
+        duration_s: of the flight.
+        height_m: lowest and highest place.
+    """
     count = int(duration_s * RATE_HZ) + 2
     for _ in range(_ATTEMPTS):
         speed = 1.25 * (1 + 0.35 * np.clip(_wander(rng, count, 0.8)[:, 0], -1.3, 1.3))
@@ -149,18 +157,17 @@ def plan_flight(rng: np.random.Generator, arena: Arena, duration_s: float) -> Fl
         velocity = np.gradient(path, 1 / RATE_HZ, axis=0)
         yaw = _heading(rng, velocity)
         roll, pitch = _tilt(rng, np.gradient(velocity, 1 / RATE_HZ, axis=0), yaw)
-        place = np.column_stack((path, _heights(rng, count)))
+        place = np.column_stack((path, _heights(rng, count, height_m)))
         return Flight(place, np.column_stack((roll, pitch, yaw)))
     return None
 
 
-def plan_arena_and_flight(
-    world: np.random.Generator, path: np.random.Generator, duration_s: float
+def fitting_flight(
+    rng: np.random.Generator, arena: Arena, duration_s: float, height_m: tuple[float, float]
 ) -> tuple[Arena, Flight]:
-    """A random arena with a flight through it; solids are taken out, the last first, until one fits."""
-    arena = draw_arena(world)
+    """A flight through an arena; solids are taken out, the last first, until one fits. See `plan_flight`."""
     while True:
-        flight = plan_flight(path, arena, duration_s)
+        flight = plan_flight(rng, arena, duration_s, height_m)
         if flight is not None:
             return arena, flight
         arena = replace(arena, solids=arena.solids[:-1])

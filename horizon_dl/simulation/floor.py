@@ -1,4 +1,6 @@
-"""The floor as one picture: carpets, mats, painted lines, stains, baked light and contact shadows."""
+"""The floor as one picture: its material, what lies on it, baked light and shadows."""
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +93,105 @@ def _light(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
     return light * (1 - np.kron(shadow, np.ones((8, 8)))).astype(np.float32)
 
 
+def _carpeted(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
+    picture = _carpets(rng, arena, x, y)
+    _add_mats(rng, picture, arena, x, y)
+    _add_lines(rng, picture, arena, x, y)
+    return picture
+
+
+def _tint(arena: Arena, number: int = 0) -> NDArray[np.float32]:
+    return np.asarray(PALETTE[arena.floor_colours[number]], np.float32)
+
+
+def _lino(rng: np.random.Generator, arena: Arena, _x: Grid, _y: Grid) -> Picture:
+    """One sheet, hardly marked."""
+    tone = 1 + 0.12 * fractal_noise(rng, SIZE, SIZE, (6, 6), 5)
+    return _tint(arena) * (tone + 0.04 * rng.standard_normal((SIZE, SIZE), dtype=np.float32))[..., None]
+
+
+def _slabs(
+    rng: np.random.Generator, arena: Arena, x: Grid, y: Grid, length_m: float, width_m: float
+) -> Picture:
+    """Pieces of one size, each with its tone, and the joints between them."""
+    row = np.floor(y / width_m)
+    place = x / length_m + 0.5 * (row % 2)
+    column = np.floor(place)
+    tones = rng.normal(1, 0.09, (512, 512)).astype(np.float32)
+    tone = tones[row.astype(int) % 512, column.astype(int) % 512]
+    joint = np.minimum(np.abs(y / width_m - row) * width_m, np.abs(place - column) * length_m) < 0.008
+    grain = 1 + 0.15 * fractal_noise(rng, SIZE, SIZE, (30, 60), 4)
+    return np.asarray(_tint(arena) * (tone * grain * np.where(joint, 0.55, 1.0))[..., None], np.float32)
+
+
+def _boards(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
+    return _slabs(rng, arena, x, y, 1.8, 0.14)
+
+
+def _tiles(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
+    return _slabs(rng, arena, x, y, 0.4, 0.4)
+
+
+def _paving(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
+    return _slabs(rng, arena, x, y, 0.5, 0.25)
+
+
+def _grass(rng: np.random.Generator, _arena: Arena, _x: Grid, _y: Grid) -> Picture:
+    """Blades, tufts, and bare patches."""
+    tufts = fractal_noise(rng, SIZE, SIZE, (60, 60), 5)
+    blades = 0.28 * rng.standard_normal((SIZE, SIZE), dtype=np.float32)
+    picture = shade(PALETTE["green"], 1.1 + 0.9 * tufts + blades)
+    bare = fractal_noise(rng, SIZE, SIZE, (9, 9), 5) > 0.25
+    picture[bare] = (shade(PALETTE["brown"], 1.1 + 0.5 * tufts + 0.6 * blades))[bare]
+    return picture
+
+
+def _gravel(rng: np.random.Generator, arena: Arena, _x: Grid, _y: Grid) -> Picture:
+    """Stones of a few centimetres, or asphalt from further off."""
+    stones = 0.5 * value_noise(rng, SIZE, SIZE, (SIZE // 3, SIZE // 3)) + 0.75
+    stains = 0.3 * fractal_noise(rng, SIZE, SIZE, (7, 7), 5)
+    grey = 0.5 * _tint(arena) + 0.5 * np.asarray(PALETTE["grey"], np.float32)
+    return np.asarray(grey * (stones + stains)[..., None], np.float32)
+
+
+def _path(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
+    """A winding way of slabs through grass."""
+    middle = rng.uniform(-0.2, 0.2) * arena.width_m + 1.5 * np.sin(
+        x * rng.uniform(0.15, 0.4) + rng.uniform(0, 6)
+    )
+    on_it = np.abs(y - middle) < rng.uniform(1.0, 2.5)
+    return np.where(on_it[..., None], _paving(rng, arena, x, y), _grass(rng, arena, x, y)).astype(np.float32)
+
+
+GROUNDS: dict[str, Callable[[np.random.Generator, Arena, Grid, Grid], Picture]] = {
+    "carpets": _carpeted,
+    "lino": _lino,
+    "boards": _boards,
+    "tiles": _tiles,
+    "grass": _grass,
+    "gravel": _gravel,
+    "paving": _paving,
+    "path": _path,
+}
+
+
+def _sunshine(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Grid:
+    """Factor of the sun's light: shadows of walls and solids, and of a tree or a cloud here and there."""
+    assert arena.sun_rad is not None
+    azimuth, height = arena.sun_rad
+    points = np.stack((x[::4, ::4].ravel(), y[::4, ::4].ravel()), axis=1).astype(np.float64)
+    towards = np.array((np.cos(azimuth), np.sin(azimuth))) / np.tan(height)
+    half = np.array((arena.length_m, arena.width_m)) / 2
+    shaded = (np.abs(points + arena.wall_m * towards) > half).any(axis=1)
+    for solid in arena.solids:
+        for up_m in np.arange(0.0, solid.height_m, 0.1):  # what the ray to the sun meets at this height
+            shaded |= solid.distance(points + up_m * towards) == 0
+    shaded = shaded.reshape(SIZE // 4, SIZE // 4)
+    dappled = fractal_noise(rng, SIZE // 4, SIZE // 4, (5, 5), 5) > rng.uniform(0.15, 0.45)
+    light = np.where(shaded | dappled, rng.uniform(0.35, 0.6), 1.15).astype(np.float32)
+    return np.kron(light, np.ones((4, 4), np.float32))
+
+
 def paint_floor(rng: np.random.Generator, arena: Arena) -> Texture:
     """The floor's picture.
 
@@ -100,10 +201,8 @@ def paint_floor(rng: np.random.Generator, arena: Arena) -> Texture:
     """
     x, y = np.mgrid[-0.5 : 0.5 : SIZE * 1j, -0.5 : 0.5 : SIZE * 1j]
     x, y = (x * arena.length_m).astype(np.float32), (y * arena.width_m).astype(np.float32)
-    picture = _carpets(rng, arena, x, y)
-    _add_mats(rng, picture, arena, x, y)
-    _add_lines(rng, picture, arena, x, y)
-    return to_texture(picture * _light(rng, arena, x, y)[..., None])
+    picture = GROUNDS[arena.ground](rng, arena, x, y) * _light(rng, arena, x, y)[..., None]
+    return to_texture(picture if arena.sun_rad is None else picture * _sunshine(rng, arena, x, y)[..., None])
 
 
 def paint_ceiling(rng: np.random.Generator, size: int = 512) -> Texture:

@@ -1,62 +1,34 @@
-"""Where things stand in the arena: walls, boxes, panels, poles, mats; drawn by a seed."""
+"""Where things stand in a hall or yard, and the arena's boxes, panels and poles; drawn by a seed."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.simulation.solid import Solid
 from horizon_dl.simulation.surfaces import PALETTE
 
 GAP_M = 1.5  # between any two solids, and from a solid to a wall: the flight has to fit through
 
-
+WALL_GAP_M = 0.05  # from furniture to the wall that it stands at
 FLOOR_COLOURS = ("green", "blue", "charcoal", "grey", "beige", "brown")
 
 
 @dataclass(frozen=True)
-class Solid:
-    """An upright box or pole on the floor.
+class Arena:
+    """A rectangular hall or yard centred on the origin; x north, y west, z up, floor at z = 0.
 
     Attributes:
-        kind: `box`, `panel` or `pole`.
-        x: metres, world x (north).
-        y: metres, world y (west).
-        turn_rad: rotation of a box about the vertical.
-        half_x: half length in metres, or the radius of a pole.
-        half_y: half width in metres, or the radius of a pole.
-        height_m: metres above the floor.
-        colour: name in `PALETTE`.
+        length_m: along x.
+        width_m: along y.
+        wall_m: height of the walls.
+        open_sky: no ceiling.
+        floor_colours: of its materials.
+        solids: what stands on the floor.
+        ground: name of the floor's material, see `floor`.
+        sun_rad: azimuth (from x towards y) and height of the sun, which casts shadows; None: lamps.
     """
-
-    kind: str
-    x: float
-    y: float
-    turn_rad: float
-    half_x: float
-    half_y: float
-    height_m: float
-    colour: str
-
-    def distance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Horizontal distance in metres of points (N, 2) to the solid's outline; 0 inside."""
-        offset = points - (self.x, self.y)
-        if self.kind == "pole":
-            return np.asarray(np.maximum(np.hypot(*offset.T) - self.half_x, 0))
-        c, s = np.cos(self.turn_rad), np.sin(self.turn_rad)
-        along = np.abs(offset @ (c, s)) - self.half_x
-        across = np.abs(offset @ (-s, c)) - self.half_y
-        return np.asarray(np.hypot(np.maximum(along, 0), np.maximum(across, 0)))
-
-    @property
-    def reach_m(self) -> float:
-        """Radius of the circle round the outline."""
-        return self.half_x if self.kind == "pole" else float(np.hypot(self.half_x, self.half_y))
-
-
-@dataclass(frozen=True)
-class Arena:
-    """A rectangular hall or yard centred on the origin; x north, y west, z up, floor at z = 0."""
 
     length_m: float
     width_m: float
@@ -64,6 +36,8 @@ class Arena:
     open_sky: bool
     floor_colours: tuple[str, str, str]
     solids: tuple[Solid, ...]
+    ground: str = "carpets"
+    sun_rad: tuple[float, float] | None = None
 
     def clearance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Horizontal distance in metres of points (N, 2) to the nearest wall or solid; negative outside."""
@@ -89,14 +63,36 @@ def _solid(rng: np.random.Generator, kind: str, colour: str) -> Solid:
     return Solid("box", 0, 0, turn, half_x, half_y, height, colour)
 
 
-def _place(rng: np.random.Generator, solid: Solid, arena: Arena) -> Solid | None:
+def placed(rng: np.random.Generator, solid: Solid, arena: Arena) -> Solid | None:
+    """The solid somewhere free, a gap from all others; None if there is no room."""
     half = np.array((arena.length_m / 2, arena.width_m / 2)) - 0.9 - solid.reach_m
     for _ in range(60):
         spot = rng.uniform(-half, half)
         apart = [float(s.distance(spot[None])[0]) - solid.reach_m for s in arena.solids]
         if min(apart, default=np.inf) > GAP_M:
-            return Solid(**{**vars(solid), "x": float(spot[0]), "y": float(spot[1])})
+            return replace(solid, x=float(spot[0]), y=float(spot[1]))
     return None
+
+
+def at_a_wall(rng: np.random.Generator, solid: Solid, arena: Arena) -> Solid | None:
+    """The solid with its back (-x) at a wall, apart from all others; None if there is no room."""
+    for _ in range(60):
+        side = int(rng.integers(4))
+        out, span = (arena.length_m, arena.width_m) if side % 2 == 0 else (arena.width_m, arena.length_m)
+        inwards = side * np.pi / 2 + np.pi
+        c, s = -np.cos(inwards), -np.sin(inwards)
+        away = out / 2 - WALL_GAP_M - solid.half_x
+        along = float(rng.uniform(-1, 1)) * (span / 2 - WALL_GAP_M - solid.half_y)
+        spot = np.array((c * away - s * along, s * away + c * along))
+        apart = [float(other.distance(spot[None])[0]) - solid.reach_m for other in arena.solids]
+        if min(apart, default=np.inf) > 2 * WALL_GAP_M:
+            return replace(solid, x=float(spot[0]), y=float(spot[1]), turn_rad=float(inwards))
+    return None
+
+
+def with_solid(arena: Arena, solid: Solid | None) -> Arena:
+    """The arena and one thing more, where there was room for it."""
+    return arena if solid is None else replace(arena, solids=(*arena.solids, solid))
 
 
 def draw_arena(rng: np.random.Generator) -> Arena:
@@ -117,7 +113,5 @@ def draw_arena(rng: np.random.Generator) -> Arena:
     wanted = ["panel"] * 4 + ["box"] * 5 + ["pole"] * 5 + ["low box"] * 2
     for kind in wanted:
         colour = _pick(rng, floor if rng.random() < 0.35 else names)
-        placed = _place(rng, _solid(rng, kind, colour), arena)
-        if placed is not None:
-            arena = Arena(**{**vars(arena), "solids": (*arena.solids, placed)})
+        arena = with_solid(arena, placed(rng, _solid(rng, kind, colour), arena))
     return arena

@@ -1,10 +1,11 @@
 """A scene in MuJoCo's model language."""
 
+import math
 from collections.abc import Sequence
 
 from horizon_dl.simulation.scene import Face, Scene, Tube
 
-LAMPS = 3  # the first one casts shadows
+LAMPS = 3  # indoors the first one casts shadows
 
 
 def _numbers(values: Sequence[float]) -> str:
@@ -41,6 +42,8 @@ def _assets(scene: Scene) -> list[str]:
 
 def _lights(scene: Scene) -> list[str]:
     arena = scene.arena
+    if arena.sun_rad is not None:
+        return _sunlight(*arena.sun_rad)
     spots = ((0.28, 0.22), (-0.3, 0.1), (0.05, -0.35))
     lines = []
     for index, (x, y) in enumerate(spots[:LAMPS]):
@@ -50,6 +53,18 @@ def _lights(scene: Scene) -> list[str]:
             f'diffuse=".4 .4 .4" specular="0 0 0" castshadow="{"true" if index == 0 else "false"}"/>'
         )
     return lines
+
+
+def _sunlight(azimuth_rad: float, height_rad: float) -> list[str]:
+    """The sun, and the sky from two sides; the shadows are painted on the floor."""
+    level = math.cos(height_rad)
+    sun = (level * math.cos(azimuth_rad), level * math.sin(azimuth_rad), math.sin(height_rad))
+    directions = ((sun, 0.7), ((-sun[0], -sun[1], 1.0), 0.15), ((sun[1], -sun[0], 1.0), 0.15))
+    return [
+        f'<light directional="true" pos="0 0 9" dir="{_numbers([-part for part in source])}" '
+        f'diffuse="{strength} {strength} {strength}" specular="0 0 0" castshadow="false"/>'
+        for source, strength in directions
+    ]
 
 
 def mjcf(scene: Scene, width: int, height: int, samples: int) -> str:

@@ -1,4 +1,4 @@
-"""The arena as flat textured faces and cylinders, and as a MuJoCo model description (MJCF)."""
+"""A world as flat textured faces and cylinders, and as a MuJoCo model description (MJCF)."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Truth
 from horizon_dl.simulation.floor import paint_ceiling, paint_floor
-from horizon_dl.simulation.layout import Arena, Solid
+from horizon_dl.simulation.layout import Arena
+from horizon_dl.simulation.solid import Part, Solid
 from horizon_dl.simulation.surfaces import (
     BOX_SURFACES,
     PALETTE,
     PANEL_SURFACES,
+    SURFACES,
     WALL_SURFACES,
     Painter,
     Texture,
@@ -72,16 +74,52 @@ def _upright(centre: Vector, turn_rad: float, half: tuple[float, float], texture
 
 
 def _box_faces(solid: Solid, texture: int) -> Iterator[Face]:
+    """Sides and top of a box on the floor."""
+    body = Part(0.0, 0.0, solid.half_x, solid.half_y, 0.0, solid.height_m, solid.colour)
+    yield from _cuboid_faces(solid, body, texture)
+
+
+def _cuboid_faces(solid: Solid, part: Part, texture: int) -> Iterator[Face]:
+    """Sides and top of a part, and its underside where it does not stand on the floor."""
     c, s = float(np.cos(solid.turn_rad)), float(np.sin(solid.turn_rad))
-    middle = solid.height_m / 2
-    sides = ((c, s, solid.half_x, solid.half_y), (-s, c, solid.half_y, solid.half_x))
+    x, y = solid.x + c * part.x - s * part.y, solid.y + s * part.x + c * part.y
+    middle, half_height = (part.low_m + part.high_m) / 2, (part.high_m - part.low_m) / 2
+    sides = ((c, s, part.half_x, part.half_y), (-s, c, part.half_y, part.half_x))
     for number, (nx, ny, out, half) in enumerate(sides):
         turn = solid.turn_rad + number * np.pi / 2
         for sign, angle in ((1, turn), (-1, turn + np.pi)):
-            centre = (solid.x + sign * nx * out, solid.y + sign * ny * out, middle)
-            yield _upright(centre, angle, (half, middle), texture)
-    top = (solid.x, solid.y, solid.height_m)
-    yield Face(top, (c, s, 0.0), (-s, c, 0.0), (solid.half_x, solid.half_y), texture, Truth.OBSTACLE)
+            yield _upright(
+                (x + sign * nx * out, y + sign * ny * out, middle), angle, (half, half_height), texture
+            )
+    flat, along, across = (part.half_x, part.half_y), (c, s, 0.0), (-s, c, 0.0)
+    yield Face((x, y, part.high_m), along, across, flat, texture, Truth.OBSTACLE)
+    if part.low_m > 0:
+        under = (part.half_y, part.half_x)
+        yield Face((x, y, part.low_m), across, along, under, texture, Truth.OBSTACLE)
+
+
+def _part_tube(solid: Solid, part: Part) -> Tube:
+    c, s = float(np.cos(solid.turn_rad)), float(np.sin(solid.turn_rad))
+    x, y = solid.x + c * part.x - s * part.y, solid.y + s * part.x + c * part.y
+    half = (part.high_m - part.low_m) / 2
+    return Tube((x, y, part.low_m + half), part.half_x, half, PALETTE[part.colour])
+
+
+def _parts(rng: np.random.Generator, solid: Solid, textures: list[Texture]) -> tuple[list[Face], list[Tube]]:
+    """What is seen of a thing of several parts; those of one colour and surface share a picture."""
+    faces: list[Face] = []
+    tubes: list[Tube] = []
+    pictures: dict[tuple[str, str], int] = {}
+    for part in solid.parts:
+        if part.surface == "round":
+            tubes.append(_part_tube(solid, part))
+            continue
+        look = (part.colour, part.surface)
+        if look not in pictures:
+            textures.append(_surface(rng, SURFACES[part.surface], part.colour, (128, 128)))
+            pictures[look] = len(textures) - 1
+        faces.extend(_cuboid_faces(solid, part, pictures[look]))
+    return faces, tubes
 
 
 def _pole_tubes(rng: np.random.Generator, solid: Solid) -> Iterator[Tube]:
@@ -153,7 +191,11 @@ def build_scene(rng: np.random.Generator, arena: Arena) -> Scene:
     faces.extend(_wall_faces(rng, arena, textures))
     tubes: list[Tube] = []
     for solid in arena.solids:
-        if solid.kind == "pole":
+        if solid.parts:
+            seen = _parts(rng, solid, textures)
+            faces.extend(seen[0])
+            tubes.extend(seen[1])
+        elif solid.kind == "pole":
             tubes.extend(_pole_tubes(rng, solid))
         else:
             painters = PANEL_SURFACES if solid.kind == "panel" else BOX_SURFACES

@@ -6,18 +6,18 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.simulation.flight import Flight, plan_arena_and_flight
+from horizon_dl.simulation.flight import Flight, fitting_flight
 from horizon_dl.simulation.pose import nudge, optical_axes
 from horizon_dl.simulation.rendering import SceneRenderer
-from horizon_dl.simulation.scene import build_scene
+from horizon_dl.simulation.rig import Rig
+from horizon_dl.simulation.scene import Scene, build_scene
 from horizon_dl.simulation.sensor import JITTER_PX, AutoExposure, Light, develop, to_linear, vignette
+from horizon_dl.simulation.worlds import World
 
 Floats = NDArray[np.float64]
 
 RATE_HZ = 6.0
 LEAD_IN_S = 1.0  # the ends of the smoothed path are left out
-FIELD_OF_VIEW_DEG = 75.0  # horizontal
-MOUNT_RPY_DEG = (0.0, -9.0, 0.0)  # the camera looks 9 degrees down
 
 
 @dataclass(frozen=True)
@@ -72,47 +72,61 @@ class Conditions:
         return image
 
 
-def focal_length_px(width: int) -> float:
-    """Focal length in pixels for the simulated field of view."""
-    return round(float(width / 2 / np.tan(np.deg2rad(FIELD_OF_VIEW_DEG) / 2)), 6)
-
-
 def _expose(
-    renderer: SceneRenderer, flight: Flight, time_s: float, exposure_s: float, focal_px: float
+    renderer: SceneRenderer,
+    flight: Flight,
+    time_s: float,
+    exposure_s: float,
+    mount_rpy_rad: Floats,
+    focal_px: float,
 ) -> Light:
     """Mean light over the exposure; sub-pixel shifts smooth the edges."""
     pictures = []
     for index, shift in enumerate(JITTER_PX):
         place, rpy = flight.at(time_s + exposure_s * ((index + 0.5) / len(JITTER_PX) - 0.5))
-        axes = nudge(optical_axes(rpy, np.deg2rad(MOUNT_RPY_DEG)), shift, focal_px)
+        axes = nudge(optical_axes(rpy, mount_rpy_rad), shift, focal_px)
         pictures.append(renderer.colour(place, axes))
     return to_linear(pictures)
 
 
+def draw_flight(kind: World, seed: int, frames: int) -> tuple[Scene, Rig, Flight]:
+    """What a seed stands for: a scene, the camera in it, and its way through."""
+    world, path, carried = (np.random.default_rng((seed, stream)) for stream in (0, 1, 4))
+    rig = kind.rig(carried)
+    arena, flight = fitting_flight(path, kind.draw(world), 2 * LEAD_IN_S + frames / RATE_HZ, rig.height_m)
+    return build_scene(world, arena), rig, flight
+
+
 def render_flight(
-    frames: int, seed: int, width: int, height: int, only: set[int] | None = None
+    scene: Scene,
+    rig: Rig,
+    flight: Flight,
+    conditions: Conditions,
+    size: tuple[int, int],
+    only: set[int] | None = None,
 ) -> Iterator[Shot]:
-    """Frames of the flight that a seed stands for, in time order.
+    """Frames of a flight, in time order.
 
     Args:
-        frames: length of the flight in frames; a longer one is another flight.
-        seed: of arena, materials, path, light and noise.
-        width: pixels.
-        height: pixels.
+        scene: flown through.
+        rig: the camera.
+        flight: its way, see `draw_flight`.
+        conditions: light and sensor, and how many frames; they are used up.
+        size: width and height, pixels.
         only: render these indices alone; their labels, depth and pose are those of the whole flight, their
             exposure is not.
 
     Raises:
         InputError: rendering is not possible on this machine.
     """
-    world, path = (np.random.default_rng((seed, stream)) for stream in range(2))
-    arena, flight = plan_arena_and_flight(world, path, 2 * LEAD_IN_S + frames / RATE_HZ)
-    conditions, focal_px, dim = Conditions(seed, frames), focal_length_px(width), vignette(height, width)
-    with SceneRenderer(build_scene(world, arena), width, height, focal_px) as renderer:
-        for index in sorted(only) if only is not None else range(frames):
+    width, height = size
+    focal_px, mount = rig.focal_length_px(width), np.deg2rad(rig.mount_rpy_deg)
+    dim, exposure = vignette(height, width), conditions.exposure
+    with SceneRenderer(scene, width, height, focal_px) as renderer:
+        for index in sorted(only) if only is not None else range(conditions.frames):
             time_s = LEAD_IN_S + index / RATE_HZ
             renderer.set_lamps(conditions.lamps(index))
             place, rpy = flight.at(time_s)
-            truth, depth_m = renderer.truth(place, optical_axes(rpy, np.deg2rad(MOUNT_RPY_DEG)))
-            linear = _expose(renderer, flight, time_s, conditions.exposure.exposure_s, focal_px) * dim
+            truth, depth_m = renderer.truth(place, optical_axes(rpy, mount))
+            linear = _expose(renderer, flight, time_s, exposure.exposure_s, mount, focal_px) * dim
             yield Shot(conditions.develop(linear, index), truth, depth_m, time_s, place, rpy)

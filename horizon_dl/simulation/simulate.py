@@ -11,23 +11,25 @@ from PIL import Image
 from horizon_dl.errors import InputError
 from horizon_dl.output import output_folder
 from horizon_dl.progress import show_progress
-from horizon_dl.simulation.shots import MOUNT_RPY_DEG, Shot, focal_length_px, render_flight
+from horizon_dl.simulation.rig import Rig
+from horizon_dl.simulation.shots import Conditions, Shot, draw_flight, render_flight
+from horizon_dl.simulation.worlds import WORLDS
 
 COLUMNS = ("image", "time_s", "roll_rad", "pitch_rad", "yaw_rad", "height_m")
 
 
-def camera_fields(width: int, height: int) -> dict[str, object]:
+def camera_fields(rig: Rig, width: int, height: int) -> dict[str, object]:
     """What `camera.yaml` says: an exact pinhole, pixel centres at integers."""
     return {
         "model": "pinhole",
         "width": width,
         "height": height,
-        "fx": focal_length_px(width),
-        "fy": focal_length_px(width),
+        "fx": rig.focal_length_px(width),
+        "fy": rig.focal_length_px(width),
         "cx": (width - 1) / 2,
         "cy": (height - 1) / 2,
         "distortion": [],
-        "mount_rpy_deg": list(MOUNT_RPY_DEG),
+        "mount_rpy_deg": list(rig.mount_rpy_deg),
     }
 
 
@@ -71,13 +73,14 @@ def simulate(
     *,
     frames: int,
     seed: int,
+    world: str = "arena",
     width: int = 320,
     height: int = 240,
     depth_every: int = 1,
     quality: int = 85,
     progress: bool = False,
 ) -> None:
-    """Renders a flight through a random arena: `images`, `frames.csv`, `camera.yaml`, `labels`, `depth`.
+    """Renders a flight through a random world: `images`, `frames.csv`, `camera.yaml`, `labels`, `depth`.
 
     Labels (values of `Truth`) and depth (uint16, millimetres along the optical axis, 0 = none) belong to the
     surface at the pixel's centre in the middle of the exposure, which is the time and attitude in
@@ -87,7 +90,8 @@ def simulate(
     Args:
         out: folder to make; it must not exist or be empty. It appears when everything is written.
         frames: how many, at 6 a second.
-        seed: another seed is another arena, other materials, another flight.
+        seed: another seed is another world of its kind, other materials, another flight.
+        world: a name in `WORLDS`.
         width: pixels.
         height: pixels.
         depth_every: depth for every n-th frame, from frame n // 2 on.
@@ -106,12 +110,17 @@ def simulate(
         depth_every=(depth_every, 1, 100_000),
         quality=(quality, 1, 95),
     )
-    shots = render_flight(frames, seed, width, height)
+    if world not in WORLDS:
+        raise InputError("simulation", f"there is no world {world!r}", f"take one of {', '.join(WORLDS)}")
+    scene, rig, flight = draw_flight(WORLDS[world], seed, frames)
+    shots = render_flight(scene, rig, flight, Conditions(seed, frames), (width, height))
     try:
         with output_folder(out, "simulate") as folder:
             bar = show_progress(shots, "rendering", total=frames, unit="frame", disable=not progress)
             _write_set(folder, bar, depth_every, quality)
-            (folder / "camera.yaml").write_text(yaml.safe_dump(camera_fields(width, height), sort_keys=False))
+            (folder / "camera.yaml").write_text(
+                yaml.safe_dump(camera_fields(rig, width, height), sort_keys=False)
+            )
     except OSError as error:
         raise InputError(
             out, f"cannot be written ({error.strerror})", "free space or give another --out"

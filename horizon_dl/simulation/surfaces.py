@@ -120,7 +120,25 @@ def mottled(rng: np.random.Generator, colour: Colour, height: int, width: int) -
     return shade(colour, tones * (1 + 0.1 * rng.normal(0, 1, (height, width))))
 
 
+def plain(rng: np.random.Generator, colour: Colour, height: int, width: int) -> NDArray[np.float32]:
+    """Paint, lacquer or laminate: one colour, hardly worn."""
+    return shade(colour, 1 + 0.06 * fractal_noise(rng, height, width, (2, 3), 4))
+
+
+def leaves(rng: np.random.Generator, colour: Colour, height: int, width: int) -> NDArray[np.float32]:
+    """Foliage: leaves in light and holes in the dark."""
+    field = fractal_noise(rng, height, width, (14, 14), 4)
+    tones = np.select([field < -0.15, field < 0.12], [0.3, 0.85], 1.5)
+    return shade(colour, tones * (1 + 0.2 * rng.normal(0, 1, (height, width))))
+
+
 Painter = Callable[[np.random.Generator, Colour, int, int], NDArray[np.float32]]
 WALL_SURFACES: tuple[Painter, ...] = (plaster, concrete, bricks, planks, curtain, curtain, corrugated)
 BOX_SURFACES: tuple[Painter, ...] = (cardboard, planks, concrete, plaster, mottled, stripes)
 PANEL_SURFACES: tuple[Painter, ...] = (stripes, curtain, planks, mottled, plaster, corrugated)
+SURFACES: dict[str, tuple[Painter, ...]] = {
+    "box": BOX_SURFACES,
+    "panel": PANEL_SURFACES,
+    "plain": (plain,),
+    "leaves": (leaves,),
+}

@@ -1,0 +1,104 @@
+"""Worlds to simulate: the arena, a cluttered room, a yard under the sun; each seed is another one."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from horizon_dl.simulation import things
+from horizon_dl.simulation.layout import FLOOR_COLOURS, Arena, at_a_wall, draw_arena, placed, with_solid
+from horizon_dl.simulation.rig import DRONE, Rig, draw_rig
+from horizon_dl.simulation.solid import Solid
+
+Rng = np.random.Generator
+Draws = Sequence[tuple[int, things.Draw]]
+"""The largest number of each thing, and how it is drawn."""
+
+
+@dataclass(frozen=True)
+class World:
+    """A kind of world.
+
+    Attributes:
+        what: in a few words.
+        draw: a hall or yard with what stands in it.
+        rig: the camera that is carried through it.
+    """
+
+    what: str
+    draw: Callable[[Rng], Arena]
+    rig: Callable[[Rng], Rig]
+
+
+AT_WALLS: Draws = ((5, things.shelf), (3, things.workplace), (1, things.stairs), (2, things.low_boxes))
+INDOORS: Draws = ((3, things.workplace), (3, things.chair), (3, things.low_boxes), (1, things.stairs))
+OUTDOORS: Draws = (
+    (3, things.car),
+    (5, things.tree),
+    (5, things.bush),
+    (3, things.hedge),
+    (2, things.bench),
+    (3, things.post),
+    (2, things.low_boxes),
+    (1, things.stairs),
+)
+
+
+def draw_clutter(rng: Rng) -> Arena:
+    """An office, laboratory or store of 8 to 13 m by 7 to 11 m: most in it is low."""
+    arena = Arena(
+        length_m=float(rng.uniform(8, 13)),
+        width_m=float(rng.uniform(7, 11)),
+        wall_m=float(rng.uniform(2.5, 3.4)),
+        open_sky=False,
+        floor_colours=_floor_colours(rng),
+        solids=(),
+        ground=("carpets", "lino", "boards", "tiles")[rng.integers(4)],
+    )
+    for solid in _drawn(rng, AT_WALLS):
+        arena = with_solid(arena, at_a_wall(rng, solid, arena))
+    return _furnished(rng, arena, INDOORS)
+
+
+def draw_outdoors(rng: Rng) -> Arena:
+    """A yard, car park or garden of 18 to 28 m between house walls: grass, gravel or paving, and shadows."""
+    arena = Arena(
+        length_m=float(rng.uniform(18, 28)),
+        width_m=float(rng.uniform(18, 28)),
+        wall_m=float(rng.uniform(3.5, 7.0)),
+        open_sky=True,
+        floor_colours=_floor_colours(rng),
+        solids=(),
+        ground=("grass", "gravel", "paving", "path")[rng.integers(4)],
+        sun_rad=(float(rng.uniform(0, 2 * np.pi)), float(np.deg2rad(rng.uniform(20, 65)))),
+    )
+    return _furnished(rng, arena, OUTDOORS)
+
+
+def _floor_colours(rng: Rng) -> tuple[str, str, str]:
+    one, two, three = (str(name) for name in rng.choice(FLOOR_COLOURS, 3, replace=False))
+    return (one, two, three)
+
+
+def _drawn(rng: Rng, draws: Draws) -> list[Solid]:
+    """Half to all of each kind of thing, in a random order."""
+    wanted = [draw for most, draw in draws for _ in range(int(rng.integers(-(-most // 2), most + 1)))]
+    return [wanted[index](rng) for index in rng.permutation(len(wanted))]
+
+
+def _furnished(rng: Rng, arena: Arena, draws: Draws) -> Arena:
+    for solid in _drawn(rng, draws):
+        turned = replace(solid, turn_rad=float(rng.uniform(0, 2 * np.pi)))
+        arena = with_solid(arena, placed(rng, turned, arena))
+    return arena
+
+
+def _drone(_: Rng) -> Rig:
+    return DRONE
+
+
+WORLDS = {
+    "arena": World("a flight among boxes, panels and poles", draw_arena, _drone),
+    "clutter": World("a room full of desks, chairs, shelves, boxes and steps", draw_clutter, draw_rig),
+    "outdoor": World("a yard with grass or paving, cars, trees and shadows", draw_outdoors, draw_rig),
+}
