@@ -48,7 +48,7 @@ from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.benchmark import quartiles
 from horizon_dl.runtime.model import new_session
 from horizon_dl.simulation.embedded import embedded_set
-from horizon_dl.training.train import evenly
+from horizon_dl.training.evenly import evenly
 from horizon_dl.uncertainty.measures import measures
 from horizon_dl.uncertainty.obstacle_map import obstacle_map
 

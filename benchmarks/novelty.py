@@ -17,7 +17,7 @@ from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.models.encoded import image_tensor
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.reporting.table import format_markdown
-from horizon_dl.training.train import evenly
+from horizon_dl.training.evenly import evenly
 from horizon_dl.uncertainty.measures import measures
 
 MEASURES = ("mutual_information", "entropy", "expected_entropy")

@@ -23,14 +23,14 @@ import torch
 from horizon_dl.config import load_config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import make_view
-from horizon_dl.geometry.resize import area_resize
+from horizon_dl.geometry.resize import area_resize, halved
 from horizon_dl.online.guard import StreamGuard
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.training.crops import draw_batch
-from horizon_dl.training.half_resolution import guide_of, half_elevation, half_resolution_frame
+from horizon_dl.training.half_resolution import guide_of, half_resolution_frame
 from horizon_dl.training.online.compression import pack, unpack
 from horizon_dl.training.online.learner import OnlineLearner
 
@@ -108,7 +108,7 @@ def measure(data: Path, count: int) -> dict[str, list[Taken]]:
         newest = timed(
             "  target, with the net's edges", half_resolution_frame, view, config, guide_of(learner.net)
         )
-        packed = timed("  replay: pack", pack, newest, half_elevation(view.elevation))
+        packed = timed("  replay: pack", pack, newest, halved(view.elevation))
         timed("  replay: unpack one", unpack, packed)
         drawn = timed("  replay: draw a batch's frames", learner.memory.draw, config.online.batch - 1)
         batch = timed("  crops", draw_batch, [newest, *drawn], config.online.crop, rng)

@@ -42,8 +42,9 @@ from horizon_dl.ranging.temporal_filter import SectorFilter
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.runtime.perception import Perception
+from horizon_dl.training.evenly import evenly
 from horizon_dl.training.run_folder import save_run
-from horizon_dl.training.train import evenly, train_run
+from horizon_dl.training.train import train_run
 
 LEFT_OUT = (3, 7)
 FURTHER_PLACES = ("room", "icl_office_kt3", "gopro_max_path")

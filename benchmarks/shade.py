@@ -21,8 +21,8 @@ from horizon_dl.methods.learners import Method, NetMethod, fit_forest
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.metrics.scored_pixels import ScoredPixels, enlarged, scored_pixels
 from horizon_dl.reporting.table import format_markdown
+from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.train import evenly
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
 from horizon_dl.workers import SerialWorkers
 

@@ -72,6 +72,9 @@ class TrainConfig(Section):
     batch: Few = 12
     crop: Annotated[int, Field(ge=32, le=10**5)] = 96
     pastes: Annotated[int, Field(ge=0, le=100)] = 3
+    context_agreement: Annotated[float, Field(ge=-1.0, le=2.0)] = 0.8
+    context_batch: Few = 8
+    context_crop: Annotated[int, Field(ge=32, le=10**5)] = 128
     learning_rate: Positive = 0.003
     weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
     average_decay: Share = 0.98

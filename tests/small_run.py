@@ -73,7 +73,7 @@ def small_run() -> Run:
         "train_s": 1.0,
         "threshold": float(np.percentile(entropies, 75)),
         "threshold_rule": "percentile-75",
-        **training_evidence(net, ((view.image, view.elevation) for view in all_views)),
+        **training_evidence(net, all_views, config),
     }
     return Run(net, config, info)
 

@@ -8,12 +8,12 @@ from hypothesis.extra.numpy import arrays
 
 from horizon_dl.config import load_config
 from horizon_dl.data.view import View
+from horizon_dl.geometry.resize import halved
 from horizon_dl.models.build import build_net
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.targets.geodesic import geodesic_target
 from horizon_dl.training.half_resolution import (
     guide_of,
-    half_elevation,
     half_resolution_frame,
     half_resolution_target,
 )
@@ -31,7 +31,7 @@ def a_view(shape=(48, 65)) -> View:
     arrays(np.float32, st.tuples(st.integers(2, 9), st.integers(2, 9)), elements=st.floats(-1, 1, width=32))
 )
 def test_elevation_is_the_mean_of_blocks(elevation):
-    half = half_elevation(elevation)
+    half = halved(elevation)
     assert half.shape == (elevation.shape[0] // 2, elevation.shape[1] // 2)
     for row, column in np.ndindex(half.shape):
         block = elevation[2 * row : 2 * row + 2, 2 * column : 2 * column + 2].astype(np.float64)
@@ -41,7 +41,7 @@ def test_elevation_is_the_mean_of_blocks(elevation):
 def test_a_pixel_without_ray_spoils_its_block_alone():
     elevation = np.zeros((4, 4), np.float32)
     elevation[0, 3] = np.nan
-    assert np.isnan(half_elevation(elevation)).tolist() == [[False, True], [False, False]]
+    assert np.isnan(halved(elevation)).tolist() == [[False, True], [False, False]]
 
 
 def test_the_coarse_target_is_near_the_fine_one():
@@ -58,9 +58,9 @@ def test_the_coarse_target_is_that_of_the_halved_view(guided):
     net = build_net(config.model).eval() if guided else None
     half = view.image.reshape(24, 2, 32, 2, 3).mean(axis=(1, 3)).round().astype(np.uint8)
     p_above = None if net is None else EncodedImage(net, view.image).of_all_depths((24, 32))
-    expected = geodesic_target(half, half_elevation(view.elevation), p_above)
+    expected = geodesic_target(half, halved(view.elevation), p_above)
     found = half_resolution_target(
-        view.image, half_elevation(view.elevation), config, None if net is None else guide_of(net)
+        view.image, halved(view.elevation), config, None if net is None else guide_of(net)
     )
     np.testing.assert_allclose(found[::2, ::2], expected, atol=0.02)
     assert np.array_equal(found[::2, ::2], found[1::2, 1::2])

@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from horizon_dl.config import Config
+from horizon_dl.geometry.resize import halved
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.half_resolution import doubled, half_elevation, half_resolution_frame
+from horizon_dl.training.half_resolution import doubled, half_resolution_frame
 from horizon_dl.training.online.compression import pack, unpack, unpack_elevation
 from horizon_dl.training.online.replay_buffer import ReplayBuffer
 
@@ -95,7 +96,7 @@ def test_frames_take_a_fifth_of_their_room_or_less(data_dir, name):
     store = FrameStore(recording, Config())
     view = next(store.views([recording.length // 2]))
     frame = half_resolution_frame(view, store.config, None)
-    packed = pack(frame, half_elevation(view.elevation))
+    packed = pack(frame, halved(view.elevation))
     assert packed.nbytes < frame.nbytes / 5
     assert np.array_equal(unpack(packed).target, frame.target)
     assert np.abs(unpack(packed).image.astype(int) - frame.image).mean() < 2.0

@@ -94,4 +94,4 @@ def _learner(run: Run | FileRun, recording: Recording) -> Method:
     if isinstance(run, FileRun):
         check_camera(run.model, recording.calibrated, recording.name)
         return FileMethod(run.model, run.config.geodesic)
-    return NetMethod(run.net, run.config.geodesic)
+    return NetMethod(run.net, run.config.geodesic, run.info.get("path_agreement"))

@@ -94,6 +94,7 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
         "weights_sha256": weights_hash(run),
         "evidence": evidence_for(run, camera),
         "self_assessment": info.get("self_assessment"),
+        "path_agreement": info.get("path_agreement"),
         **_common(config, camera, run.threshold, info.get("threshold_rule")),
     }
 

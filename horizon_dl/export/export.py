@@ -18,8 +18,8 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.output import write_json
 from horizon_dl.runtime.model import camera_from_card
 from horizon_dl.runtime.signature import Signer
+from horizon_dl.training.evenly import evenly
 from horizon_dl.training.run_folder import Run
-from horizon_dl.training.train import evenly
 
 MOST_FRAMES = 8
 

@@ -14,8 +14,8 @@ from horizon_dl.methods.learners import fit_forest
 from horizon_dl.models.forest import HorizonForest
 from horizon_dl.runtime.benchmark import quartiles, timed_in_turn
 from horizon_dl.runtime.model import camera_from_card, new_session
+from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.train import evenly
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
 
 PARITY_FRAMES = 2

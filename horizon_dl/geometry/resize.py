@@ -57,6 +57,19 @@ def area_resize(image: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.u
     return np.ascontiguousarray(small.reshape(size[0], size[1], channels).swapaxes(0, 1))
 
 
+def halved(values: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Mean of 2x2 pixels, (h // 2, w // 2) of (h, w); NaN where one of them is NaN.
+
+    Example:
+        >>> halved(np.array([[0.0, 1.0, 9.0], [1.0, 2.0, 9.0]], np.float32)).tolist()
+        [[1.0]]
+    """
+    height, width = (side // 2 for side in values.shape)
+    blocks = values[: 2 * height, : 2 * width].reshape(height, 2, width, 2)
+    mean: NDArray[np.float32] = blocks.mean(axis=(1, 3), dtype=np.float32)
+    return mean
+
+
 def _reduce_rows(values: NDArray[np.uint8], outputs: int) -> NDArray[np.uint8]:
     """(inputs, n) to (outputs, n)."""
     if len(values) == outputs:

@@ -59,29 +59,31 @@ class StreamLearner(Method, Protocol):
 
 @dataclass(frozen=True)
 class NetMethod:
-    """A trained net with dropout at test time."""
+    """A trained net with dropout at test time; for `agreement` see `fused_score`."""
 
     net: HorizonFCN
     paths: GeodesicParams = GEODESIC
+    agreement: float | None = None
 
     def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores, the single pass without dropout among them."""
         encoded = EncodedImage(self.net, view.image)
         found = encoded.measures(view.elevation > 0)
-        return score_maps(view, found, encoded.single_pass()[0], self.paths)
+        return score_maps(view, found, encoded.single_pass()[0], self.paths, self.agreement)
 
 
 @dataclass(frozen=True)
 class ForestMethod:
-    """A fitted forest, whose trees are the samples."""
+    """A fitted forest, whose trees are the samples; for `agreement` see `fused_score`."""
 
     forest: HorizonForest
     paths: GeodesicParams = GEODESIC
+    agreement: float | None = None
 
     def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
         """All scores but the single pass."""
         found = measures(self.forest.p_above_samples(view), view.elevation > 0)
-        return score_maps(view, found, paths=self.paths)
+        return score_maps(view, found, paths=self.paths, agreement=self.agreement)
 
     def quick_maps(self, view: View) -> dict[str, Map]:
         """`p_above` and `entropy` alone, without a path search."""

@@ -36,7 +36,7 @@ class FileMethod:
             "expected_entropy": found.expected_entropy,
             "mutual_information": found.mutual_information,
             "surprisal": p_other_side(found.p_above, found.elevation > 0),
-            "fused": fused_score(view, found.p_above, self.paths),
+            "fused": fused_score(view, found.p_above, self.paths, self.model.card.get("path_agreement")),
         }
 
 

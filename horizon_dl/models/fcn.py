@@ -30,8 +30,8 @@ class HorizonFCN(nn.Module):
 
     Every tapped depth of the encoder has a head, each with a loss of its own. The prediction is the mean of
     their logits: what sees much tells shade from a wall, but also the foot of a wall from its top, and is
-    sure about both; what sees little cannot. The mean of their probabilities guides the targets of later
-    rounds.
+    sure about both; what sees little cannot. Where context can be trusted the deepest head predicts alone
+    (`trust_context`). The mean of all heads' probabilities guides the targets of later rounds.
 
     Dropout sits before the last layer alone, and a mean of linear layers is one linear layer of all their
     inputs, so the samples of the output cost one 1x1 convolution (`sample_logits`). Their masks are drawn
@@ -47,6 +47,7 @@ class HorizonFCN(nn.Module):
     """
 
     masks: Tensor
+    head_weights: Tensor
 
     def __init__(
         self, encoder: nn.Module, channels: Sequence[int], width: int, dropout: float, samples: int
@@ -56,6 +57,19 @@ class HorizonFCN(nn.Module):
         self.shallow = nn.ModuleList(Head(count, width, dropout) for count in channels[:-1])
         self.deep = Head(channels[-1], width, dropout)
         self.register_buffer("masks", balanced_masks(samples, width * len(channels), dropout))
+        self.register_buffer("head_weights", torch.full((len(channels),), 1.0 / len(channels)))
+
+    def trust_context(self, trusted: bool) -> None:
+        """Let the deepest head predict alone, or the mean of all."""
+        depths = len(self.head_weights)
+        self.head_weights.fill_(0.0 if trusted else 1.0 / depths)
+        if trusted:
+            self.head_weights[-1] = 1.0
+
+    @property
+    def context_trusted(self) -> bool:
+        """Whether the deepest head predicts alone."""
+        return bool(self.head_weights[-1] == 1.0) and len(self.head_weights) > 1
 
     def forward(self, image: Tensor) -> Tensor:
         """Logits (N, depths, h / s, w / s) of (N, 3, h, w) RGB in [0, 1], the deepest last."""
@@ -76,10 +90,11 @@ class HorizonFCN(nn.Module):
         return F.conv2d(features, *self.last_layer())
 
     def last_layer(self) -> tuple[Tensor, Tensor]:
-        """Weight (1, features, 1, 1) and bias (1,) of the mean of all heads' classifiers."""
+        """Weight (1, features, 1, 1) and bias (1,) of the weighted mean of all heads' classifiers."""
         classifiers = [head.classifier for head in self.heads()]
-        weight = torch.cat([classifier.weight for classifier in classifiers], dim=1) / len(classifiers)
-        bias = torch.stack([cast(Tensor, classifier.bias) for classifier in classifiers]).mean(dim=0)
+        shares = list(zip(classifiers, self.head_weights, strict=True))
+        weight = torch.cat([classifier.weight * share for classifier, share in shares], dim=1)
+        bias = torch.stack([cast(Tensor, classifier.bias) * share for classifier, share in shares]).sum(dim=0)
         return weight, bias
 
     def sample_logits(self, features: Tensor) -> Tensor:

@@ -4,18 +4,18 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from horizon_dl.config import Config
+from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
-from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 from horizon_dl.evidence.place import Place, PlaceCalibration
 from horizon_dl.evidence.self_assessment import SelfAssessment
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.ranging.contact import ContactDetectorParams
+from horizon_dl.targets.agreement import mean_agreement, path_agreement
 
 EVIDENCE_FRAMES = 100
+AGREEMENT_EVERY = 6
+"""Of those frames."""
 
 
 def place_of(info: Mapping[str, Any], where: str | Path) -> Place | None:
@@ -27,28 +27,31 @@ def place_of(info: Mapping[str, Any], where: str | Path) -> Place | None:
         raise InputError(where, str(error), "train again") from None
 
 
-def training_evidence(
-    net: HorizonFCN,
-    frames: Iterable[tuple[NDArray[np.uint8], NDArray[np.floating]]],
-    limits: EvidenceLimits = LIMITS,
-    contact: ContactDetectorParams | None = None,
-) -> dict[str, Any]:
+def training_evidence(net: HorizonFCN, views: Iterable[View], config: Config) -> dict[str, Any]:
     """What a net says of some of its training frames, ready for JSON.
 
     Args:
         net: trained.
-        frames: image, (h, w, 3) uint8 RGB at the working size, and elevation, (h, w) rad.
-        limits: of the config.
-        contact: of the config; the defaults if left out.
+        views: of the frames, at the working size.
+        config: its limits, and how the floor's level is taken.
 
     Returns:
-        `evidence`, the limits of `Place` (None if no horizon is in view), and `self_assessment`.
+        `evidence`, the limits of `Place` (None if no horizon is in view), `self_assessment`, `path_agreement`
+        (mean over some of the frames, None for none), and `context`: whether the last round learned from it.
     """
-    calibration, assessment = PlaceCalibration(limits, contact or ContactDetectorParams()), SelfAssessment()
-    for image, elevation in frames:
-        encoded = EncodedImage(net, image)
-        calibration.add(image, elevation, encoded.samples().mean(axis=0))
-        assessment.update(encoded.of_least_depth(), elevation)
+    agreements = []
+    calibration, assessment = PlaceCalibration(config.evidence, config.contact), SelfAssessment()
+    for index, view in enumerate(views):
+        encoded = EncodedImage(net, view.image)
+        calibration.add(view.image, view.elevation, encoded.samples().mean(axis=0))
+        assessment.update(encoded.of_least_depth(), view.elevation)
+        if index % AGREEMENT_EVERY == 0:  # a path search takes as long as all else
+            agreements.append(path_agreement(view, encoded.of_all_depths(), config.geodesic))
     place = calibration.place()
     card = None if place is None else place.to_card()
-    return {"evidence": card, "self_assessment": assessment.compute()}
+    return {
+        "evidence": card,
+        "self_assessment": assessment.compute(),
+        "path_agreement": mean_agreement(agreements),
+        "context": net.context_trusted,
+    }

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from horizon_dl.config import Config
 from horizon_dl.data.view import View
 from horizon_dl.geometry.horizon import labelled_pixels
-from horizon_dl.geometry.resize import area_resize
+from horizon_dl.geometry.resize import area_resize, halved
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.targets.targets import make_target
@@ -28,19 +28,6 @@ def guide_of(net: HorizonFCN) -> Guide:
     return lambda image, size: EncodedImage(net, image).of_all_depths(size)
 
 
-def half_elevation(elevation: Map) -> Map:
-    """Mean of 2x2 pixels, (h // 2, w // 2) rad; NaN where one of them is NaN.
-
-    Example:
-        >>> half_elevation(np.array([[0.0, 1.0, 9.0], [1.0, 2.0, 9.0]], np.float32)).tolist()
-        [[1.0]]
-    """
-    height, width = (side // 2 for side in elevation.shape)
-    blocks = elevation[: 2 * height, : 2 * width].reshape(height, 2, width, 2)
-    mean: Map = blocks.mean(axis=(1, 3), dtype=np.float32)
-    return mean
-
-
 def half_resolution_target(
     image: NDArray[np.uint8], elevation: Map, config: Config, guide: Guide | None
 ) -> NDArray[np.float16]:
@@ -48,7 +35,7 @@ def half_resolution_target(
 
     Args:
         image: (h, w, 3) uint8 RGB.
-        elevation: (h // 2, w // 2) rad, as of `half_elevation`.
+        elevation: (h // 2, w // 2) rad, as of `halved`.
         config: names the kind of target.
         guide: gives what a net says of an image at a size; the target follows it, too. None: the image alone.
 
@@ -73,6 +60,6 @@ def doubled(target: NDArray[T], size: tuple[int, ...]) -> NDArray[T]:
 
 def half_resolution_frame(view: View, config: Config, guide: Guide | None) -> TrainingFrame:
     """A view with its target, and where it counts; `guide` as for `half_resolution_target`."""
-    target = half_resolution_target(view.image, half_elevation(view.elevation), config, guide)
+    target = half_resolution_target(view.image, halved(view.elevation), config, guide)
     valid_mask = labelled_pixels(view.elevation, config.labels.band_rad)
     return TrainingFrame(view.image, target, valid_mask)

@@ -24,8 +24,10 @@ from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
+from horizon_dl.training.context import context_is_trusted, with_context
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
+from horizon_dl.training.evenly import evenly
 from horizon_dl.training.evidence import EVIDENCE_FRAMES, training_evidence
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.half_resolution import guide_of, half_resolution_frame
@@ -55,7 +57,8 @@ def train_net(
 
     The targets of the first round follow the edges of the images alone; those of every further round also
     what the net has learned so far, its edges and where it is surest. What it took for one surface in most
-    frames then is one in the frames where shade or a reflection cuts it.
+    frames then is one in the frames where shade or a reflection cuts it. Before the last round is decided
+    whether it learns from context, see `context`.
 
     Args:
         store: where the frames come from.
@@ -115,6 +118,10 @@ def _train_round(
     title = f"round {number + 1} of {len(config.train.rounds)}"
     # A copy: targets that are made while the net is trained are those of the round's beginning.
     guide = copy.deepcopy(net).eval() if number else None
+    last = number == len(config.train.rounds) - 1
+    trusted = guide is not None and last and context_is_trusted(guide, store, indices)
+    net.trust_context(trusted)
+    settings = with_context(config) if trusted else config.train
     pool = FramePool(
         store,
         indices,
@@ -127,7 +134,7 @@ def _train_round(
     )
     if within is not None:
         rng.bit_generator.state = within.values["random"]
-    stream = CropStream(pool, config.train, rng)
+    stream = CropStream(pool, settings, rng)
     first = within.step if within else 0
 
     def after_step(module: HorizonModule) -> None:
@@ -143,7 +150,7 @@ def _train_round(
     # Later rounds keep the first one's batch statistics, and drop nothing: see docs/RESEARCH.md.
     module = HorizonModule(
         net.train(number == 0),
-        config.train,
+        settings,
         steps,
         done=sum(config.train.rounds[:number]),
         after_step=after_step,
@@ -273,9 +280,7 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
 
 def evidence_of(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> dict[str, Any]:
     """See `training_evidence`, over at most 100 of the frames."""
-    views = store.views(evenly(indices, EVIDENCE_FRAMES))
-    frames = ((view.image, view.elevation) for view in views)
-    return training_evidence(net, frames, store.config.evidence, store.config.contact)
+    return training_evidence(net, store.views(evenly(indices, EVIDENCE_FRAMES)), store.config)
 
 
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:
@@ -289,17 +294,6 @@ def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]
         for view in store.views(evenly(indices, MOST_FRAMES))
     )
     return paper_threshold(frames, config.threshold.percentile)
-
-
-def evenly(indices: Sequence[int], count: int) -> list[int]:
-    """At most `count` of the indices, evenly spread.
-
-    Example:
-        >>> evenly(range(100), 3)
-        [0, 49, 99]
-    """
-    chosen = np.linspace(0, len(indices) - 1, min(count, len(indices))).astype(int)
-    return [indices[i] for i in chosen]
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from torch import Tensor
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View, any_view
+from horizon_dl.geometry.resize import halved
 from horizon_dl.models.build import build_net
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
@@ -24,7 +25,6 @@ from horizon_dl.training.evidence import training_evidence
 from horizon_dl.training.half_resolution import (
     doubled,
     guide_of,
-    half_elevation,
     half_resolution_frame,
     half_resolution_target,
 )
@@ -125,7 +125,7 @@ class OnlineLearner:
         newest = half_resolution_frame(view, self.config, guide)
         if not newest.valid_mask.any():
             return
-        self.memory.add(newest, half_elevation(view.elevation), UNGUIDED if guide is None else self.frames)
+        self.memory.add(newest, halved(view.elevation), UNGUIDED if guide is None else self.frames)
         if guide is not None and self.frames % RENEWAL_FRAMES == 0:
             # Other images than the newest: what was asked of that stays at hand.
             anew = guide_of(self.net)
@@ -154,8 +154,8 @@ class OnlineLearner:
         def run() -> Run:
             threshold = remembered_threshold(net, frames, self.config)
             remembered = ((unpack(frame).image, unpack_elevation(frame)) for frame in frames)
-            looks = ((image, doubled(half, image.shape[:2])) for image, half in remembered)
-            evidence = training_evidence(net, looks, self.config.evidence, self.config.contact)
+            views = (View(image, doubled(half, image.shape[:2])) for image, half in remembered)
+            evidence = training_evidence(net, views, self.config)
             return Run(net, self.config, {**info, "threshold": threshold, **evidence, **rule})
 
         return run
