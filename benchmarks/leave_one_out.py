@@ -4,7 +4,8 @@
 HORIZON_DL_DATA and on the embedded one (protocol labelled-out), keeps nets and figures in FOLDER, so that it
 can be stopped and goes on, and prints: AUC of a score, pooled / within depression bands; worst set and mean;
 and, for every set, the variant that is best on all the others, with what it has on the one left out. A choice
-is by the mean of the mean and the worst set within bands.
+is by the mean of the mean and the worst set within bands. `--worlds 10` adds ten simulated worlds of each
+kind but the arena. Two may run at once into one folder, each with its `--sets`, and a third then prints all.
 """
 
 import argparse
@@ -20,7 +21,10 @@ from nets import scored, set_names, trained_net
 from horizon_dl.methods.learners import NetMethod
 from horizon_dl.output import write_json
 from horizon_dl.reporting.table import format_markdown
+from horizon_dl.simulation.simulate import simulate
+from horizon_dl.simulation.worlds import WORLDS
 
+WORLD_FRAMES = 120
 FURTHER_SETS = ("room", "icl_office_kt3", "tum_fr1_rpy")
 
 
@@ -47,6 +51,8 @@ PLAIN = tuple(
 )
 VARIANTS = {
     "default": Variant(),
+    "context never": Variant(("train.context_agreement=2",)),
+    "context always": Variant(("train.context_agreement=-1",)),
     "no pastes": Variant(("train.pastes=0",)),
     "six pastes": Variant(("train.pastes=6",)),
     "plain path costs": Variant(PLAIN),
@@ -72,7 +78,9 @@ def main() -> None:
     parser.add_argument("--sets", nargs="+", default=sets, help="names of the sets")
     parser.add_argument("--variants", nargs="+", default=list(VARIANTS), choices=list(VARIANTS))
     parser.add_argument("--score", default="entropy", help="a score of the net")
+    parser.add_argument("--worlds", type=int, default=0, help="simulated worlds of each kind")
     args = parser.parse_args()
+    args.sets += [str(folder) for folder in simulated_worlds(args.out.resolve() / "worlds", args.worlds)]
     figures: Figures = {
         variant: {
             name: [measured(args.out, variant, name, seed)[args.score] for seed in range(args.seeds)]
@@ -86,7 +94,7 @@ def main() -> None:
 def measured(out: Path, variant: str, name: str, seed: int) -> dict[str, Pair]:
     """Figures by score of one net, from `out` if it was scored before."""
     folder = out / variant.replace(" ", "_")
-    path = folder / f"{name}_{seed}.json"
+    path = folder / f"{Path(name).name}_{seed}.json"
     if not path.exists():
         folder.mkdir(parents=True, exist_ok=True)
         chosen = VARIANTS[variant]
@@ -100,6 +108,21 @@ def measured(out: Path, variant: str, name: str, seed: int) -> dict[str, Pair]:
     return {score: (pair[0], pair[1]) for score, pair in json.loads(path.read_text()).items()}
 
 
+def simulated_worlds(folder: Path, count: int) -> list[Path]:
+    """The first seeds of each kind of world but the arena, rendered where they are missing."""
+    worlds = {
+        folder / f"{world}_{seed}": (world, seed)
+        for seed in range(count)
+        for world in WORLDS
+        if world != "arena"
+    }
+    for path, (world, seed) in worlds.items():
+        if not path.exists():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            simulate(path, frames=WORLD_FRAMES, seed=seed, world=world)
+    return list(worlds)
+
+
 def markdown(figures: Figures) -> str:
     """Both tables, and how many variants were tried."""
     sets = list(next(iter(figures.values())))
@@ -111,10 +134,16 @@ def markdown(figures: Figures) -> str:
         ]
         for variant, found in figures.items()
     ]
-    lines = [format_markdown(["variant", *sets, "worst, within", "mean, within"], rows)]
+    lines = [
+        format_markdown(
+            ["variant", *(Path(name).name for name in sets), "worst, within", "mean, within"], rows
+        )
+    ]
     if len(figures) > 1 and len(sets) > 1:
         choices = left_out(figures)
-        cells = [[name, variant, cell(figures[variant][name])] for name, variant in choices.items()]
+        cells = [
+            [Path(name).name, variant, cell(figures[variant][name])] for name, variant in choices.items()
+        ]
         lines.append(format_markdown(["left out", "best on the others", "on the one left out"], cells))
         reached = {name: figures[variant][name] for name, variant in choices.items()}
         lines.append(f"Chosen so: worst set {worst(reached):.3f}, mean {mean(reached):.3f} within bands.")

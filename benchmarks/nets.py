@@ -35,9 +35,11 @@ def set_names() -> list[str]:
 
 
 def open_set(name: str) -> Recording:
-    """A recording by its name in the tables."""
+    """A recording by its name in the tables, or by its folder."""
+    if name == "embedded":
+        return open_recording(embedded_set())
     return open_recording(
-        embedded_set() if name == "embedded" else Path(os.environ["HORIZON_DL_DATA"]) / name
+        Path(name) if Path(name).is_absolute() else Path(os.environ["HORIZON_DL_DATA"]) / name
     )
 
 
