@@ -98,23 +98,25 @@ def test_a_learner_that_sees_the_wall_agrees_and_one_that_sees_blobs_does_not():
 
 
 @pytest.mark.parametrize("kind", ["fcn", "resnet18"])
-def test_where_context_is_trusted_the_deepest_head_predicts_alone(kind):
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_the_deepest_head_has_its_share_of_the_prediction(kind, share):
     torch.manual_seed(0)
     net = build_net(ModelConfig(kind=kind)).eval()
     image = np.random.default_rng(0).integers(0, 256, (61, 83, 3)).astype(np.uint8)
-    assert not net.context_trusted
+    assert net.deep_share == 0.5
     before = EncodedImage(net, image).single_pass()
-    net.trust_context(True)
-    assert net.context_trusted
+    net.weigh_deepest(share)
+    assert net.deep_share == pytest.approx(share)
     with torch.no_grad():
-        logits = net(image_tensor(image))
-        deep = enlarge(logits[:, -1:].sigmoid(), image.shape[:2])[0].numpy()
-    np.testing.assert_allclose(EncodedImage(net, image).single_pass(), deep, atol=1e-5)
-    assert np.abs(before - deep).max() > 1e-4
+        shallow, deep = net(image_tensor(image)).split(1, dim=1)
+        logit = (1.0 - share) * shallow + share * deep
+        expected = enlarge(logit.sigmoid(), image.shape[:2])[0].numpy()
+    np.testing.assert_allclose(EncodedImage(net, image).single_pass(), expected, atol=1e-5)
+    assert np.abs(before - expected).max() > 1e-4
     twin = build_net(ModelConfig(kind=kind)).eval()
     twin.load_state_dict(net.state_dict())  # it is kept with the weights
     np.testing.assert_array_equal(EncodedImage(twin, image).samples(), EncodedImage(net, image).samples())
-    net.trust_context(False)
+    net.weigh_deepest(0.5)
     np.testing.assert_array_equal(EncodedImage(net, image).single_pass(), before)
 
 
@@ -135,20 +137,29 @@ def test_the_last_round_alone_learns_from_context_where_agreement_suffices(asked
 
     monkeypatch.setattr(train, "CropStream", Watched)
     net = train_net(FrameStore(toy, config), range(toy.length), seed=0)
-    assert net.context_trusted == trusted
+    if trusted:
+        assert net.deep_share == 1.0
     assert drawn == [(32, 4, 3), (32, 4, 3), (48, 3, 0) if trusted else (32, 4, 3)]
     assert with_context(config).learning_rate == config.train.learning_rate
 
 
+@pytest.mark.parametrize(("agreement", "share"), [(None, 0.5), (0.2, 0.0), (0.8, 1.0), (0.7, 0.25 / 0.35)])
+def test_without_context_the_deepest_heads_share_follows_the_agreement(agreement, share, toy, monkeypatch):
+    config = load_config(None, [*SMALL, "train.context_agreement=2"])
+    monkeypatch.setattr(train, "net_agreement", lambda *_: agreement)
+    net = train_net(FrameStore(toy, config), range(toy.length), seed=0)
+    assert net.deep_share == pytest.approx(share)
+
+
 def test_one_round_has_nothing_to_decide_by(toy):
     config = load_config(None, [*SMALL, "train.rounds=[3]", "train.context_agreement=-1"])
-    assert not train_net(FrameStore(toy, config), range(toy.length), seed=0).context_trusted
+    assert train_net(FrameStore(toy, config), range(toy.length), seed=0).deep_share == 0.5
 
 
 def test_a_run_says_how_far_it_agrees_and_what_it_learned_from(toy):
     config = load_config(None, [*SMALL, "train.context_agreement=-1"])
     run = train_run(toy, config)
-    assert run.info["context"] is True
+    assert run.info["deep_share"] == 1.0
     assert -1.0 <= run.info["path_agreement"] <= 1.0
     again = net_agreement(run.net, FrameStore(toy, config), range(toy.length))
     assert run.info["path_agreement"] == pytest.approx(again, abs=0.3)  # of other frames

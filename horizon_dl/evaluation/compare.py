@@ -150,7 +150,7 @@ def compare(
     methods = {name: method_metrics(one, rule) for name, one in accumulators.items()}
     assert net is not None  # the first seed is of all learners
     evidence = evidence or evidence_of(net, store, split.train)
-    methods[NET] |= {key: evidence[key] for key in ("self_assessment", "path_agreement", "context")}
+    methods[NET] |= {key: evidence[key] for key in ("self_assessment", "path_agreement", "deep_share")}
     metrics = {
         "schema": SCHEMA,
         "data": recording.name,

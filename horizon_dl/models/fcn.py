@@ -28,10 +28,10 @@ class Head(nn.Module):
 class HorizonFCN(nn.Module):
     """Probability (as a logit) that a pixel's appearance belongs above the horizon.
 
-    Every tapped depth of the encoder has a head, each with a loss of its own. The prediction is the mean of
-    their logits: what sees much tells shade from a wall, but also the foot of a wall from its top, and is
-    sure about both; what sees little cannot. Where context can be trusted the deepest head predicts alone
-    (`trust_context`). The mean of all heads' probabilities guides the targets of later rounds.
+    Every tapped depth of the encoder has a head, each with a loss of its own. The prediction is a weighted
+    mean of their logits, at first the plain one: what sees much tells shade from a wall, but also the foot of
+    a wall from its top, and is sure about both; what sees little cannot. The mean of all heads' probabilities
+    guides the targets of later rounds.
 
     Dropout sits before the last layer alone, and a mean of linear layers is one linear layer of all their
     inputs, so the samples of the output cost one 1x1 convolution (`sample_logits`). Their masks are drawn
@@ -59,17 +59,16 @@ class HorizonFCN(nn.Module):
         self.register_buffer("masks", balanced_masks(samples, width * len(channels), dropout))
         self.register_buffer("head_weights", torch.full((len(channels),), 1.0 / len(channels)))
 
-    def trust_context(self, trusted: bool) -> None:
-        """Let the deepest head predict alone, or the mean of all."""
-        depths = len(self.head_weights)
-        self.head_weights.fill_(0.0 if trusted else 1.0 / depths)
-        if trusted:
-            self.head_weights[-1] = 1.0
+    def weigh_deepest(self, share: float) -> None:
+        """Give the deepest head a share of the prediction, in [0, 1]; the rest goes to the others alike."""
+        others = len(self.head_weights) - 1
+        self.head_weights.fill_((1.0 - share) / max(others, 1))
+        self.head_weights[-1] = share if others else 1.0
 
     @property
-    def context_trusted(self) -> bool:
-        """Whether the deepest head predicts alone."""
-        return bool(self.head_weights[-1] == 1.0) and len(self.head_weights) > 1
+    def deep_share(self) -> float:
+        """What share of the prediction the deepest head has."""
+        return float(self.head_weights[-1])
 
     def forward(self, image: Tensor) -> Tensor:
         """Logits (N, depths, h / s, w / s) of (N, 3, h, w) RGB in [0, 1], the deepest last."""

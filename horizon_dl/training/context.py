@@ -16,6 +16,9 @@ from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 
 AGREEMENT_FRAMES = 16
+NO_CONTEXT, ALL_CONTEXT = 0.45, 0.8
+"""Agreements between which the deepest head's share grows from none to all. Picked on eight sets (mean within
+bands .769 to .777); on sixteen simulated worlds, on which they were not picked, they change nothing."""
 
 
 def net_agreement(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float | None:
@@ -26,10 +29,16 @@ def net_agreement(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) ->
     )
 
 
-def context_is_trusted(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> bool:
-    """Whether a net agrees with the paths as well as the config asks for."""
-    agreement = net_agreement(net, store, indices)
-    return agreement is not None and agreement >= store.config.train.context_agreement
+def deep_share(agreement: float | None) -> float:
+    """What share of the prediction the head that sees most gets; the mean of all where nothing is known.
+
+    Example:
+        >>> deep_share(0.3), deep_share(0.625), deep_share(0.9), deep_share(None)
+        (0.0, 0.5, 1.0, 0.5)
+    """
+    if agreement is None:
+        return 0.5
+    return min(max((agreement - NO_CONTEXT) / (ALL_CONTEXT - NO_CONTEXT), 0.0), 1.0)
 
 
 def with_context(config: Config) -> TrainConfig:

@@ -37,7 +37,7 @@ def training_evidence(net: HorizonFCN, views: Iterable[View], config: Config) ->
 
     Returns:
         `evidence`, the limits of `Place` (None if no horizon is in view), `self_assessment`, `path_agreement`
-        (mean over some of the frames, None for none), and `context`: whether the last round learned from it.
+        (mean over some of the frames, None for none), and `deep_share` of the prediction.
     """
     agreements = []
     calibration, assessment = PlaceCalibration(config.evidence, config.contact), SelfAssessment()
@@ -53,5 +53,5 @@ def training_evidence(net: HorizonFCN, views: Iterable[View], config: Config) ->
         "evidence": card,
         "self_assessment": assessment.compute(),
         "path_agreement": mean_agreement(agreements),
-        "context": net.context_trusted,
+        "deep_share": net.deep_share,
     }

@@ -24,7 +24,7 @@ from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
-from horizon_dl.training.context import context_is_trusted, with_context
+from horizon_dl.training.context import deep_share, net_agreement, with_context
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evenly import evenly
@@ -118,10 +118,12 @@ def _train_round(
     title = f"round {number + 1} of {len(config.train.rounds)}"
     # A copy: targets that are made while the net is trained are those of the round's beginning.
     guide = copy.deepcopy(net).eval() if number else None
-    last = number == len(config.train.rounds) - 1
-    trusted = guide is not None and last and context_is_trusted(guide, store, indices)
-    net.trust_context(trusted)
-    settings = with_context(config) if trusted else config.train
+    settings = config.train
+    if guide is not None and number == len(config.train.rounds) - 1:
+        agreement = net_agreement(guide, store, indices)
+        trusted = agreement is not None and agreement >= config.train.context_agreement
+        settings = with_context(config) if trusted else config.train
+        net.weigh_deepest(1.0 if trusted else deep_share(agreement))
     pool = FramePool(
         store,
         indices,
