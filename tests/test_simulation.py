@@ -16,6 +16,7 @@ from horizon_dl.simulation import rendering
 from horizon_dl.simulation import simulate as simulate_module
 from horizon_dl.simulation.embedded import DEPTH_EVERY, FRAMES, SEED, embedded_set
 from horizon_dl.simulation.flight import CLEARANCE_M, RATE_HZ, fitting_flight
+from horizon_dl.simulation.kinds import KINDS
 from horizon_dl.simulation.layout import Arena, at_a_wall
 from horizon_dl.simulation.noise import value_noise
 from horizon_dl.simulation.pose import optical_axes
@@ -311,6 +312,10 @@ def test_other_worlds_agree_with_the_geometry_too(world: str, gl: None, tmp_path
             # The sky has no depth; a ceiling lies over the camera.
             assert (height[labels == Truth.ABOVE] >= 0).all()
     assert len(lenses) == 2
+
+
+def test_every_kind_of_world_has_its_words() -> None:
+    assert list(KINDS) == list(WORLDS)
 
 
 def test_a_world_that_there_is_not(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 from horizon_dl.cli.console import add_console
 from horizon_dl.cli.options import positive_int
-from horizon_dl.simulation.worlds import WORLDS
+from horizon_dl.simulation.kinds import KINDS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -31,9 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     simulate.add_argument(
         "--world",
-        choices=tuple(WORLDS),
+        choices=tuple(KINDS),
         default="arena",
-        help="; ".join(f"{name}: {world.what}" for name, world in WORLDS.items()) + " (default: arena)",
+        help="; ".join(f"{name}: {what}" for name, what in KINDS.items()) + " (default: arena)",
     )
     for action in actions.choices.values():
         add_console(action)

@@ -40,7 +40,7 @@ from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.targets.agreement import mean_agreement, path_agreement
 from horizon_dl.training.context import AGREEMENT_FRAMES, net_agreement
 from horizon_dl.training.evenly import evenly
-from horizon_dl.training.evidence import place_of
+from horizon_dl.training.evidence import TOLD, place_of
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.train import entropy_threshold, evidence_of, train_net
 from horizon_dl.uncertainty.measures import P_ABOVE
@@ -150,7 +150,7 @@ def compare(
     methods = {name: method_metrics(one, rule) for name, one in accumulators.items()}
     assert net is not None  # the first seed is of all learners
     evidence = evidence or evidence_of(net, store, split.train)
-    methods[NET] |= {key: evidence[key] for key in ("self_assessment", "path_agreement", "deep_share")}
+    methods[NET] |= {key: evidence[key] for key in TOLD}
     metrics = {
         "schema": SCHEMA,
         "data": recording.name,

@@ -17,15 +17,13 @@ Draws = Sequence[tuple[int, things.Draw]]
 
 @dataclass(frozen=True)
 class World:
-    """A kind of world.
+    """A kind of world, of those that `kinds` names.
 
     Attributes:
-        what: in a few words.
         draw: a hall or yard with what stands in it.
         rig: the camera that is carried through it.
     """
 
-    what: str
     draw: Callable[[Rng], Arena]
     rig: Callable[[Rng], Rig]
 
@@ -98,7 +96,7 @@ def _drone(_: Rng) -> Rig:
 
 
 WORLDS = {
-    "arena": World("a flight among boxes, panels and poles", draw_arena, _drone),
-    "clutter": World("a room full of desks, chairs, shelves, boxes and steps", draw_clutter, draw_rig),
-    "outdoor": World("a yard with grass or paving, cars, trees and shadows", draw_outdoors, draw_rig),
+    "arena": World(draw_arena, _drone),
+    "clutter": World(draw_clutter, draw_rig),
+    "outdoor": World(draw_outdoors, draw_rig),
 }

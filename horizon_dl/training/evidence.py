@@ -14,6 +14,8 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.targets.agreement import mean_agreement, path_agreement
 
 EVIDENCE_FRAMES = 100
+TOLD = ("self_assessment", "path_agreement", "deep_share")
+"""Of what `training_evidence` gives, what `metrics.json` says of a net."""
 AGREEMENT_EVERY = 6
 """Of those frames."""
 
