@@ -5,9 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from methods import cell
-from nets import scored, trained_net
+from nets import net_method, scored, trained_net
 
-from horizon_dl.methods.learners import NetMethod
 from horizon_dl.metrics.metrics import method_metrics
 from horizon_dl.reporting.table import format_markdown
 
@@ -24,7 +23,7 @@ ABLATIONS: dict[str, tuple[str, ...]] = {
 def ablation_figures(name: str, ablation: str, seeds: Sequence[int], folder: Path) -> dict[str, Any]:
     """The net's block under changed values."""
     nets = [trained_net(folder, name, seed, ABLATIONS[ablation]) for seed in seeds]
-    return method_metrics([scored(name, {"cnn": NetMethod(net)})["cnn"] for net in nets], "none")
+    return method_metrics([scored(name, {"cnn": net_method(name, net)})["cnn"] for net in nets], "none")
 
 
 def ablation_markdown(found: Mapping[str, Any], methods: Mapping[str, Any] | None) -> str:

@@ -16,9 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean, pstdev
 
-from nets import scored, set_names, trained_net
+from nets import net_method, scored, set_names, trained_net
 
-from horizon_dl.methods.learners import NetMethod
 from horizon_dl.output import write_json
 from horizon_dl.reporting.table import format_markdown
 from horizon_dl.simulation.simulate import simulate
@@ -100,7 +99,8 @@ def measured(out: Path, variant: str, name: str, seed: int) -> dict[str, Pair]:
         chosen = VARIANTS[variant]
         net = trained_net(folder, name, seed, chosen.overrides)
         results = {
-            score: roc.compute() for score, roc in scored(name, {"cnn": NetMethod(net)})["cnn"].rocs.items()
+            score: roc.compute()
+            for score, roc in scored(name, {"cnn": net_method(name, net)})["cnn"].rocs.items()
         }
         write_json(
             path, {score: (found.auc, found.auc_within_depression) for score, found in results.items()}
@@ -117,7 +117,7 @@ def simulated_worlds(folder: Path, count: int) -> list[Path]:
         if world != "arena"
     }
     for path, (world, seed) in worlds.items():
-        if not path.exists():
+        if not (path / "camera.yaml").exists():
             path.parent.mkdir(parents=True, exist_ok=True)
             simulate(path, frames=WORLD_FRAMES, seed=seed, world=world)
     return list(worlds)

@@ -15,12 +15,13 @@ from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.evaluation.scoring import accumulate, read_frame
-from horizon_dl.methods.learners import Method
+from horizon_dl.methods.learners import Method, NetMethod
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
+from horizon_dl.training.context import agreement_of, all_depths
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.run_folder import weights
 from horizon_dl.training.train import train_net
@@ -78,6 +79,13 @@ def scored(name: str, methods: Mapping[str, Method]) -> dict[str, MethodAccumula
     test = split_recording(store.recording, "labelled-out").test
     readings = (read_frame(methods, frame, view) for frame, view in store.frames(test))
     return accumulate(readings, {}, store.config.labels.band_rad)
+
+
+def net_method(name: str, net: HorizonFCN) -> NetMethod:
+    """A net of `trained_net` as a method, as `compare` has it."""
+    store = store_of(name)
+    train = split_recording(store.recording, "labelled-out").train
+    return NetMethod(net, store.config.geodesic, agreement_of(all_depths(net), store, train))
 
 
 def trained_net(

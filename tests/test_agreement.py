@@ -1,13 +1,20 @@
 """Agreement of a learner with the paths, and what hangs on it."""
 
+import json
+
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import save_file
 from scipy.stats import spearmanr
 from toy import write_toy_set
 
+from horizon_dl.cli import main
 from horizon_dl.config import ModelConfig, load_config
 from horizon_dl.data.view import View
+from horizon_dl.errors import InputError
+from horizon_dl.evaluation.evaluate import evaluate
+from horizon_dl.methods.onnx_file import load_file_run
 from horizon_dl.methods.scores import AGREED, fused_score
 from horizon_dl.models.build import build_net
 from horizon_dl.models.encoded import EncodedImage, image_tensor
@@ -15,8 +22,9 @@ from horizon_dl.models.fcn import enlarge
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.targets.agreement import mean_agreement, path_agreement, rank_correlation_within_bands
 from horizon_dl.training import train
-from horizon_dl.training.context import net_agreement, with_context
+from horizon_dl.training.context import agreement_of, all_depths, with_context
 from horizon_dl.training.frame_store import FrameStore
+from horizon_dl.training.run_folder import WEIGHTS, load_run, save_run, weights
 from horizon_dl.training.train import train_net, train_run
 
 SMALL = [
@@ -146,7 +154,7 @@ def test_the_last_round_alone_learns_from_context_where_agreement_suffices(asked
 @pytest.mark.parametrize(("agreement", "share"), [(None, 0.5), (0.2, 0.0), (0.8, 1.0), (0.7, 0.25 / 0.35)])
 def test_without_context_the_deepest_heads_share_follows_the_agreement(agreement, share, toy, monkeypatch):
     config = load_config(None, [*SMALL, "train.context_agreement=2"])
-    monkeypatch.setattr(train, "net_agreement", lambda *_: agreement)
+    monkeypatch.setattr(train, "agreement_of", lambda *_: agreement)
     net = train_net(FrameStore(toy, config), range(toy.length), seed=0)
     assert net.deep_share == pytest.approx(share)
 
@@ -160,9 +168,9 @@ def test_a_run_says_how_far_it_agrees_and_what_it_learned_from(toy):
     config = load_config(None, [*SMALL, "train.context_agreement=-1"])
     run = train_run(toy, config)
     assert run.info["deep_share"] == 1.0
-    assert -1.0 <= run.info["path_agreement"] <= 1.0
-    again = net_agreement(run.net, FrameStore(toy, config), range(toy.length))
-    assert run.info["path_agreement"] == pytest.approx(again, abs=0.3)  # of other frames
+    assert run.info["path_agreement"] == agreement_of(
+        all_depths(run.net), FrameStore(toy, config), range(toy.length)
+    )
 
 
 def test_paths_that_contradict_the_learner_are_left_out_of_the_fused_score():
@@ -176,3 +184,49 @@ def test_paths_that_contradict_the_learner_are_left_out_of_the_fused_score():
     odds = p / (1 - p) * np.exp(-0.5 * angle / angle.mean())
     np.testing.assert_allclose(without, odds / (1 + odds), atol=1e-5)
     assert np.abs(with_paths - without).max() > 0.1
+
+
+def test_compare_evaluate_and_a_file_leave_out_paths_by_the_same_number(toy, tmp_path, monkeypatch):
+    """Of a net whose agreement lies under the limit, and of one whose lies over it."""
+    folder, asked = tmp_path / "run", []
+    config = load_config(None, SMALL)
+    folder.mkdir()
+    save_run(folder, train_run(toy, config))
+    said = json.loads((folder / "run.json").read_text())["path_agreement"]
+
+    def watched(view, p_above, paths, agreement=None):
+        asked.append(agreement)
+        return p_above
+
+    monkeypatch.setattr("horizon_dl.methods.scores.fused_score", watched)
+    monkeypatch.setattr("horizon_dl.methods.onnx_file.fused_score", watched)
+    evaluate(load_run(folder), toy)
+    assert set(asked) == {said}
+    asked.clear()
+    main(["export", str(folder), "--out", str(tmp_path / "file"), "-q"])
+    evaluate(load_file_run(tmp_path / "file" / "model.onnx"), toy)
+    assert set(asked) == {said}
+
+
+@pytest.mark.parametrize("value", ["0.7", {}, [0.7], float("nan"), 3])
+def test_a_damaged_agreement_is_one_line(value, toy, tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    save_run(folder, train_run(toy, load_config(None, SMALL)))
+    info = json.loads((folder / "run.json").read_text())
+    (folder / "run.json").write_text(json.dumps({**info, "path_agreement": value}))
+    (folder / "manifest.json").unlink()
+    with pytest.raises(InputError, match=r"run.json.*path_agreement"):
+        load_run(folder)
+
+
+def test_a_run_of_before_the_heads_had_shares_says_so(toy, tmp_path):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    run = train_run(toy, load_config(None, SMALL))
+    save_run(folder, run)
+    kept = {name: tensor for name, tensor in weights(run.net).items() if name != "head_weights"}
+    save_file(kept, folder / WEIGHTS)
+    (folder / "manifest.json").unlink()
+    with pytest.raises(InputError, match=r"of another version \(.*head_weights.*train again"):
+        load_run(folder)

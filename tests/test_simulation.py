@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from PIL import Image
 
 from horizon_dl.data.frame import Truth
@@ -25,7 +26,7 @@ from horizon_dl.simulation.scene import Face, Scene
 from horizon_dl.simulation.sensor import GAMMA, TARGET, AutoExposure, develop
 from horizon_dl.simulation.shots import Conditions, Shot, draw_flight, render_flight
 from horizon_dl.simulation.simulate import simulate
-from horizon_dl.simulation.solid import Solid
+from horizon_dl.simulation.solid import Part, Solid
 from horizon_dl.simulation.things import shelf
 from horizon_dl.simulation.worlds import AT_WALLS, INDOORS, OUTDOORS, WORLDS
 
@@ -275,9 +276,36 @@ def test_parts_of_things_lie_within_their_outline(draw: Callable[[np.random.Gene
         solid = draw(np.random.default_rng(seed))
         for part in solid.parts:
             assert 0 <= part.low_m < part.high_m <= solid.height_m
+            if solid.kind == "shelf" and part.surface == "box":
+                assert abs(part.y) + part.half_y < solid.half_y - 0.02  # between its sides
             if solid.kind != "tree" or part.low_m == 0:
                 assert abs(part.x) + part.half_x <= solid.half_x + 1e-9
                 assert abs(part.y) + part.half_y <= solid.half_y + 1e-9
+
+
+@pytest.mark.parametrize("sun_deg", [12.0, 45.0])
+def test_shadows_by_walking_up_the_ray(sun_deg: float) -> None:
+    """Against a walk in small steps, through parts that stand and that float."""
+    rng = np.random.default_rng(4)
+    towards = np.array((np.cos(1.0), np.sin(1.0))) / np.tan(np.deg2rad(sun_deg))
+    points = rng.uniform(-6, 6, (3000, 2))
+    post_and_roof = (
+        Part(0.1, -0.2, 0.05, 0.05, 0.0, 2.0, "grey"),
+        Part(0.3, 0.4, 0.8, 0.5, 1.5, 2.1, "grey"),
+    )
+    solid = Solid("shed", 0.5, -0.3, 0.7, 1.2, 1.0, 2.1, "grey", post_and_roof)
+    walked = np.zeros(len(points), bool)
+    for up_m in np.arange(0.0, 2.2, 0.002):
+        spot = points + up_m * towards - (solid.x, solid.y)
+        turned = spot[:, 0] + 1j * spot[:, 1]
+        turned = turned * np.exp(-1j * solid.turn_rad)
+        for part in solid.parts:
+            inside = (np.abs(turned.real - part.x) < part.half_x) & (
+                np.abs(turned.imag - part.y) < part.half_y
+            )
+            walked |= inside & (part.low_m <= up_m <= part.high_m)
+    assert 0.01 < walked.mean() < 0.9
+    assert (solid.shades(points, towards) == walked).mean() > 0.998
 
 
 def test_furniture_stands_with_its_back_at_a_wall() -> None:
@@ -300,7 +328,8 @@ def test_other_worlds_agree_with_the_geometry_too(world: str, gl: None, tmp_path
     for seed in (1, 2):
         simulate(tmp_path / str(seed), frames=3, seed=seed, world=world, width=160, height=120)
         recording = open_recording(tmp_path / str(seed))
-        lenses.add((recording.calibrated.fx, *recording.headers[0].up_cam))
+        camera = yaml.safe_load((tmp_path / str(seed) / "camera.yaml").read_text())
+        lenses.add((camera["fx"], camera["mount_rpy_deg"][1]))
         for index in range(3):
             frame = recording.read(index)
             stem = Path(frame.name).stem
@@ -311,7 +340,7 @@ def test_other_worlds_agree_with_the_geometry_too(world: str, gl: None, tmp_path
             assert height[labels == Truth.OBSTACLE].min() > -frame.height_m - 0.004
             # The sky has no depth; a ceiling lies over the camera.
             assert (height[labels == Truth.ABOVE] >= 0).all()
-    assert len(lenses) == 2
+    assert all(len(set(values)) == 2 for values in zip(*lenses, strict=True))
 
 
 def test_every_kind_of_world_has_its_words() -> None:

@@ -77,6 +77,28 @@ def test_stopped_at_any_step_training_ends_with_the_same_weights(recording, conf
     )
 
 
+@pytest.mark.parametrize("agreement", ["-1", "2"])
+def test_stopped_in_the_last_round_context_and_heads_are_decided_as_before(recording, tmp_path, agreement):
+    settings = {
+        **QUICK,
+        "train.context_agreement": agreement,
+        "train.context_crop": "40",
+        "train.context_batch": "2",
+    }
+    config = load_config(None, [f"{key}={value}" for key, value in settings.items()])
+    keeper = Stopping(tmp_path, recording, config, after=11)
+    with pytest.raises(TrainingStopped):
+        train_run(recording, config, keeper=keeper)
+    again = TrainingKeeper(tmp_path, recording, config, resume=True)
+    assert again.found.number == 2
+    assert again.found.step > 0
+    run, whole = train_run(recording, config, keeper=again), train_run(recording, config)
+    assert_equal(run, whole)
+    assert run.info["path_agreement"] == whole.info["path_agreement"]
+    if agreement == "-1":
+        assert run.net.deep_share == 1.0
+
+
 def test_a_checkpoint_of_another_training_is_one_line(recording, config, tmp_path):
     with pytest.raises(InputError, match="holds no checkpoint of a training"):
         TrainingKeeper(tmp_path, recording, config, resume=True)

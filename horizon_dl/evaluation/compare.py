@@ -37,10 +37,9 @@ from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
 from horizon_dl.ranging.vehicle_height import VehicleHeight
-from horizon_dl.targets.agreement import mean_agreement, path_agreement
-from horizon_dl.training.context import AGREEMENT_FRAMES, net_agreement
+from horizon_dl.training.context import agreement_of, all_depths
 from horizon_dl.training.evenly import evenly
-from horizon_dl.training.evidence import TOLD, place_of
+from horizon_dl.training.evidence import place_of
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.train import entropy_threshold, evidence_of, train_net
 from horizon_dl.uncertainty.measures import P_ABOVE
@@ -48,6 +47,8 @@ from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_
 from horizon_dl.workers import SERIAL, Workers, processes_beside
 
 T = TypeVar("T")
+TOLD = ("self_assessment", "path_agreement", "deep_share")
+"""What `metrics.json` says of the first seed's net; a net that learns in one pass knows no agreement."""
 
 Learned = tuple[dict[str, MethodAccumulator], HorizonFCN | None, dict[str, Any]]
 """Figures, the net if it was asked for, and what it says of its training frames (empty if not asked yet)."""
@@ -150,7 +151,8 @@ def compare(
     methods = {name: method_metrics(one, rule) for name, one in accumulators.items()}
     assert net is not None  # the first seed is of all learners
     evidence = evidence or evidence_of(net, store, split.train)
-    methods[NET] |= {key: evidence[key] for key in TOLD}
+    told = ("self_assessment",) if protocol == "prequential" else TOLD
+    methods[NET] |= {key: evidence[key] for key in told}
     metrics = {
         "schema": SCHEMA,
         "data": recording.name,
@@ -208,13 +210,16 @@ def _offline(task: _Task) -> Learned:
     if NET in learners:
         net = train_net(store, split.train, seed=seed, progress=task.progress)
         train_s[NET] = time.perf_counter() - start
-        methods[NET] = NetMethod(net, store.config.geodesic, net_agreement(net, store, split.train))
+        methods[NET] = NetMethod(
+            net, store.config.geodesic, agreement_of(all_depths(net), store, split.train)
+        )
         thresholds[NET] = entropy_threshold(net, store, split.train)
     start = time.perf_counter()
     if FOREST in learners:
         forest = fit_forest(store, split.train, seed, task.workers)
         train_s[FOREST] = time.perf_counter() - start
-        thresholds[FOREST], agreement = _forest_on_training(forest, store, split.train, task.workers)
+        thresholds[FOREST] = _forest_threshold(forest, store, split.train, task.workers)
+        agreement = agreement_of(lambda view: forest.quick_maps(view)[P_ABOVE], store, split.train)
         methods[FOREST] = replace(forest, agreement=agreement)
     readings = read_frames(methods, store, split.test, task.workers)
     bar = _bar(readings, f"test, seed {seed}", len(split.test), task.progress)
@@ -227,19 +232,16 @@ def _offline(task: _Task) -> Learned:
     return accumulators, net, evidence
 
 
-def _forest_on_training(
+def _forest_threshold(
     forest: ForestMethod, store: FrameStore, indices: Sequence[int], workers: Workers
-) -> tuple[float, float | None]:
-    """Threshold, and agreement with the paths, both of training frames."""
-    config = store.config
-    read = read_frames({FOREST: QuickForest(forest)}, store, evenly(indices, MOST_FRAMES), workers)
-    readings = [(reading.view, reading.maps[FOREST]) for reading in read]
-    looks = ((m["entropy"], labelled_pixels(view.elevation, config.labels.band_rad)) for view, m in readings)
-    agreement = mean_agreement(
-        path_agreement(view, maps[P_ABOVE], config.geodesic)
-        for view, maps in evenly(readings, AGREEMENT_FRAMES)
+) -> float:
+    band_rad = store.config.labels.band_rad
+    readings = read_frames({FOREST: QuickForest(forest)}, store, evenly(indices, MOST_FRAMES), workers)
+    frames = (
+        (reading.maps[FOREST]["entropy"], labelled_pixels(reading.view.elevation, band_rad))
+        for reading in readings
     )
-    return paper_threshold(looks, config.threshold.percentile), agreement
+    return paper_threshold(frames, store.config.threshold.percentile)
 
 
 def _prequential(task: _Task) -> Learned:

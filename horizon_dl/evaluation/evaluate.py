@@ -93,5 +93,5 @@ def _readings(
 def _learner(run: Run | FileRun, recording: Recording) -> Method:
     if isinstance(run, FileRun):
         check_camera(run.model, recording.calibrated, recording.name)
-        return FileMethod(run.model, run.config.geodesic)
+        return FileMethod(run.model, run.config.geodesic, run.info["path_agreement"])
     return NetMethod(run.net, run.config.geodesic, run.info.get("path_agreement"))

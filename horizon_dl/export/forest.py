@@ -14,6 +14,7 @@ from horizon_dl.methods.learners import fit_forest
 from horizon_dl.models.forest import HorizonForest
 from horizon_dl.runtime.benchmark import quartiles, timed_in_turn
 from horizon_dl.runtime.model import camera_from_card, new_session
+from horizon_dl.training.context import agreement_of
 from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
@@ -35,7 +36,10 @@ def export_forest(recording: Recording, config: Config) -> Exported:
     forest = fit_forest(store, indices, config.seed).forest
     train_s = time.perf_counter() - start
     threshold = forest_threshold(forest, store)
+    say = predictor(forest)
+    agreement = agreement_of(lambda view: say(view).p_above, store, indices)
     card = make_forest_card(forest, recording, config, threshold, train_s)
+    card["path_agreement"] = agreement
     frames = parity_frames(recording)[:PARITY_FRAMES]
     return exported(forest, config.image.max_pixels, threshold, card, frames)
 

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
@@ -19,13 +19,18 @@ from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
 from horizon_dl.uncertainty.measures import P_ABOVE, p_other_side
 
+AGREEMENT = TypeAdapter[float | None](
+    Annotated[float, Field(ge=-1.0, le=1.0, allow_inf_nan=False, strict=True)] | None
+)
+
 
 @dataclass(frozen=True)
 class FileMethod:
-    """A model file as a method of the evaluation; it has no single pass."""
+    """A model file as a method of the evaluation; it has no single pass; see `fused_score`."""
 
     model: ObstacleModel
     paths: GeodesicParams = GEODESIC
+    agreement: float | None = None
 
     def score_maps(self, frame: Frame, view: View) -> dict[str, NDArray[np.float32]]:
         """All scores; the file resizes the frame's image itself."""
@@ -36,7 +41,7 @@ class FileMethod:
             "expected_entropy": found.expected_entropy,
             "mutual_information": found.mutual_information,
             "surprisal": p_other_side(found.p_above, found.elevation > 0),
-            "fused": fused_score(view, found.p_above, self.paths, self.model.card.get("path_agreement")),
+            "fused": fused_score(view, found.p_above, self.paths, self.agreement),
         }
 
 
@@ -73,7 +78,11 @@ def load_file_run(path: Path) -> FileRun:
     model = ObstacleModel.load(path)
     try:
         config = Config.model_validate(model.card["config"])
-        info = {**model.card["trained_on"], "threshold_rule": model.card["threshold"]["rule"]}
+        info = {
+            **model.card["trained_on"],
+            "threshold_rule": model.card["threshold"]["rule"],
+            "path_agreement": AGREEMENT.validate_python(model.card.get("path_agreement")),
+        }
     except (ValidationError, KeyError, TypeError):
         raise InputError(path, "was exported by another version", "export it again") from None
     return FileRun(model, config, info)

@@ -24,7 +24,6 @@ from horizon_dl.progress import show_progress
 from horizon_dl.runtime.ranged import ranges_of
 from horizon_dl.runtime.signature import Signer
 from horizon_dl.training.checkpoint import Snapshot
-from horizon_dl.training.evidence import TOLD
 from horizon_dl.training.online.learner import OnlineLearner, mean_loss
 from horizon_dl.training.predict import flight_rules, prediction_of
 from horizon_dl.training.run_folder import Run, save_run
@@ -220,7 +219,7 @@ class OnlineRun:
             with output_folder(self.folder, KIND, adding=True) as folder:
                 save_run(folder, run)
                 metrics = self.figures.metrics(self.source.name)
-                metrics["methods"][NET] |= {key: run.info[key] for key in TOLD}
+                metrics["methods"][NET]["self_assessment"] = run.info["self_assessment"]
                 write_json(folder / "metrics.json", metrics)
         except (OSError, SafetensorError) as error:
             problem = f"cannot be written ({getattr(error, 'strerror', None) or error})"

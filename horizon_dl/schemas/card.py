@@ -37,3 +37,4 @@ class Card(Versioned):
     config: dict[str, Any]
     trained_on: dict[str, Any]
     false_positive_rate: float | None = None
+    path_agreement: float | None = Field(default=None, ge=-1.0, le=1.0, allow_inf_nan=False, strict=True)

@@ -9,7 +9,7 @@ from horizon_dl.simulation.layout import Arena
 from horizon_dl.simulation.noise import fractal_noise, value_noise
 from horizon_dl.simulation.surfaces import PALETTE, Texture, shade, to_texture
 
-SIZE = 2048  # pixels a side; 5 to 8 mm a pixel
+SIZE = 2048  # pixels a side; 4 to 14 mm a pixel
 
 Picture = NDArray[np.float32]
 Grid = NDArray[np.float32]
@@ -119,7 +119,8 @@ def _slabs(
     column = np.floor(place)
     tones = rng.normal(1, 0.09, (512, 512)).astype(np.float32)
     tone = tones[row.astype(int) % 512, column.astype(int) % 512]
-    joint = np.minimum(np.abs(y / width_m - row) * width_m, np.abs(place - column) * length_m) < 0.008
+    joint_m = max(0.008, float(x[1, 0] - x[0, 0]), float(y[0, 1] - y[0, 0]))  # a pixel at least
+    joint = np.minimum(np.abs(y / width_m - row) * width_m, np.abs(place - column) * length_m) < joint_m
     grain = 1 + 0.15 * fractal_noise(rng, SIZE, SIZE, (30, 60), 4)
     return np.asarray(_tint(arena) * (tone * grain * np.where(joint, 0.55, 1.0))[..., None], np.float32)
 
@@ -184,8 +185,7 @@ def _sunshine(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Grid:
     half = np.array((arena.length_m, arena.width_m)) / 2
     shaded = (np.abs(points + arena.wall_m * towards) > half).any(axis=1)
     for solid in arena.solids:
-        for up_m in np.arange(0.0, solid.height_m, 0.1):  # what the ray to the sun meets at this height
-            shaded |= solid.distance(points + up_m * towards) == 0
+        shaded |= solid.shades(points, towards)
     shaded = shaded.reshape(SIZE // 4, SIZE // 4)
     dappled = fractal_noise(rng, SIZE // 4, SIZE // 4, (5, 5), 5) > rng.uniform(0.15, 0.45)
     light = np.where(shaded | dappled, rng.uniform(0.35, 0.6), 1.15).astype(np.float32)

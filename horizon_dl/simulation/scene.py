@@ -75,8 +75,7 @@ def _upright(centre: Vector, turn_rad: float, half: tuple[float, float], texture
 
 def _box_faces(solid: Solid, texture: int) -> Iterator[Face]:
     """Sides and top of a box on the floor."""
-    body = Part(0.0, 0.0, solid.half_x, solid.half_y, 0.0, solid.height_m, solid.colour)
-    yield from _cuboid_faces(solid, body, texture)
+    yield from _cuboid_faces(solid, solid.bodies[0], texture)
 
 
 def _cuboid_faces(solid: Solid, part: Part, texture: int) -> Iterator[Face]:

@@ -57,6 +57,13 @@ class Solid:
     colour: str
     parts: tuple[Part, ...] = ()
 
+    @property
+    def bodies(self) -> tuple[Part, ...]:
+        """Its parts; those of a box, panel or pole are one."""
+        surface = "round" if self.kind == "pole" else "box"
+        whole = Part(0.0, 0.0, self.half_x, self.half_y, 0.0, self.height_m, self.colour, surface)
+        return self.parts or (whole,)
+
     def distance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Horizontal distance in metres of points (N, 2) to the outline; 0 inside."""
         offset = points - (self.x, self.y)
@@ -71,3 +78,24 @@ class Solid:
     def reach_m(self) -> float:
         """Radius of the circle round the outline."""
         return self.half_x if self.kind == "pole" else float(np.hypot(self.half_x, self.half_y))
+
+    def shades(self, points: NDArray[np.float64], towards: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether it stands between points of the floor and the sun; cylinders count as the boxes round them.
+
+        Args:
+            points: (N, 2) on the floor, metres.
+            towards: (2,) how far a ray to the sun comes along the floor while it rises by a metre.
+        """
+        c, s = np.cos(self.turn_rad), np.sin(self.turn_rad)
+        axes = np.array(((c, -s), (s, c)))
+        start, slope = (points - (self.x, self.y)) @ axes, towards @ axes
+        shaded = np.zeros(len(points), bool)
+        for part in self.bodies:
+            low, high = np.full(len(points), part.low_m), np.full(len(points), part.high_m)
+            for axis, middle, half in ((0, part.x, part.half_x), (1, part.y, part.half_y)):
+                # Heights at which the ray enters and leaves the slab of this axis.
+                step = slope[axis] if abs(slope[axis]) > 1e-9 else 1e-9
+                one, other = ((middle + sign * half - start[:, axis]) / step for sign in (-1, 1))
+                low, high = np.maximum(low, np.minimum(one, other)), np.minimum(high, np.maximum(one, other))
+            shaded |= low < high
+        return shaded

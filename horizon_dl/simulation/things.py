@@ -45,7 +45,7 @@ def chair(rng: Rng) -> Solid:
 
 
 def workplace(rng: Rng) -> Solid:
-    """A desk on legs or on two sides, what stands on it, a drawer unit, and one chair or two."""
+    """A desk on legs or sides, what stands on it, drawers, and up to two chairs; its back is at -x."""
     half_x, half_y = float(rng.uniform(0.35, 0.5)), float(rng.uniform(0.6, 1.0))
     top, colour = float(rng.uniform(0.68, 0.78)), _colour(rng)
     parts = [Part(0.0, 0.0, half_x, half_y, top - 0.04, top, colour, "plain")]
@@ -60,7 +60,7 @@ def workplace(rng: Rng) -> Solid:
         tall, half = float(rng.uniform(0.05, 0.4)), rng.uniform(0.04, 0.25, 2)
         y = float(rng.uniform(-1, 1) * (half_y - half[1]))
         parts.append(Part(0.0, y, float(half[0]), float(half[1]), top, top + tall, _colour(rng)))
-    for side in (1, -1)[: int(rng.integers(0, 3))]:
+    for side in (-1, 1)[: int(rng.integers(0, 3))]:  # one alone is not between desk and wall
         y = float(rng.uniform(-0.4, 0.4) * half_y)
         seat = _chair_parts(rng, -(half_x + 0.25), y)
         parts += [
@@ -78,7 +78,7 @@ def shelf(rng: Rng) -> Solid:
     parts += [Part(0.0, 0.0, half_x, half_y, float(z), float(z) + 0.025, colour, "plain") for z in levels]
     parts.append(Part(0.02 - half_x, 0.0, 0.01, half_y, 0.05, height, _colour(rng), "plain"))
     for z in levels[:-1]:
-        for place in np.arange(-half_y + 0.2, half_y - 0.1, 0.35):
+        for place in np.arange(-half_y + 0.2, half_y - 0.15, 0.35):
             if rng.random() < 0.7:
                 tall = float(rng.uniform(0.1, 0.3))
                 low = float(z) + 0.025
@@ -100,7 +100,7 @@ def stairs(rng: Rng) -> Solid:
 
 
 def low_boxes(rng: Rng) -> Solid:
-    """One to four cartons, crates or bags, ankle-high to hip-high, beside and on each other."""
+    """One to four cartons, crates or bags, ankle-high to knee-high, in a heap."""
     parts = []
     for number in range(int(rng.integers(1, 5))):
         half, tall = rng.uniform(0.1, 0.3, 2), float(rng.uniform(0.12, 0.5))
@@ -112,7 +112,7 @@ def low_boxes(rng: Rng) -> Solid:
 def tree(rng: Rng) -> Solid:
     """A trunk and a crown over the camera."""
     trunk, crown = float(rng.uniform(0.08, 0.25)), float(rng.uniform(0.7, 1.6))
-    foot, top = float(rng.uniform(1.8, 2.8)), float(rng.uniform(4.0, 6.0))
+    foot, top = float(rng.uniform(2.3, 3.0)), float(rng.uniform(4.0, 6.0))
     parts = [
         Part(0.0, 0.0, trunk, trunk, 0.0, foot + 0.3, _colour(rng, "brown", "charcoal", "grey"), "round")
     ]
@@ -147,7 +147,7 @@ def car(rng: Rng) -> Solid:
     colour = _colour(rng, "white", "charcoal", "grey", "blue", "brick")
     half_x, half_y = float(rng.uniform(1.8, 2.3)), float(rng.uniform(0.8, 0.92))
     waist, roof = float(rng.uniform(0.8, 0.95)), float(rng.uniform(1.4, 1.7))
-    wheels = [(i * half_x * 0.62, j * (half_y - 0.1)) for i in (-1, 1) for j in (-1, 1)]
+    wheels = [(i * half_x * 0.62, j * (half_y - 0.08)) for i in (-1, 1) for j in (-1, 1)]
     return _thing(
         "car",
         [

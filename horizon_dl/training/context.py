@@ -6,14 +6,20 @@ net so far and the paths through the image agree on what is obstacle (`targets/a
 from the floor in appearance, and context only helps.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
 
 from horizon_dl.config import Config, TrainConfig
+from horizon_dl.data.view import View
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.targets.agreement import mean_agreement, path_agreement
 from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
+
+Map = NDArray[np.float32]
 
 AGREEMENT_FRAMES = 16
 NO_CONTEXT, ALL_CONTEXT = 0.45, 0.8
@@ -21,23 +27,26 @@ NO_CONTEXT, ALL_CONTEXT = 0.45, 0.8
 bands .769 to .777); on sixteen simulated worlds, on which they were not picked, they change nothing."""
 
 
-def net_agreement(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float | None:
-    """Mean `path_agreement` of a net, by the heads at all its depths, on 16 of the frames; None for none."""
+def agreement_of(learner: Callable[[View], Map], store: FrameStore, indices: Sequence[int]) -> float | None:
+    """Mean `path_agreement` of what a learner says of a view, on 16 of the frames; None for none."""
     return mean_agreement(
-        path_agreement(view, EncodedImage(net, view.image).of_all_depths(), store.config.geodesic)
+        path_agreement(view, learner(view), store.config.geodesic)
         for view in store.views(evenly(indices, AGREEMENT_FRAMES))
     )
 
 
-def deep_share(agreement: float | None) -> float:
-    """What share of the prediction the head that sees most gets; the mean of all where nothing is known.
+def all_depths(net: HorizonFCN) -> Callable[[View], Map]:
+    """What the heads at all depths of a net say of a view: what its agreement is asked of."""
+    return lambda view: EncodedImage(net, view.image).of_all_depths()
+
+
+def share_of_deepest(agreement: float) -> float:
+    """What share of the prediction the head that sees most gets.
 
     Example:
-        >>> deep_share(0.3), deep_share(0.625), deep_share(0.9), deep_share(None)
-        (0.0, 0.5, 1.0, 0.5)
+        >>> share_of_deepest(0.3), share_of_deepest(0.625), share_of_deepest(0.9)
+        (0.0, 0.5, 1.0)
     """
-    if agreement is None:
-        return 0.5
     return min(max((agreement - NO_CONTEXT) / (ALL_CONTEXT - NO_CONTEXT), 0.0), 1.0)
 
 

@@ -11,13 +11,8 @@ from horizon_dl.evidence.place import Place, PlaceCalibration
 from horizon_dl.evidence.self_assessment import SelfAssessment
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.targets.agreement import mean_agreement, path_agreement
 
 EVIDENCE_FRAMES = 100
-TOLD = ("self_assessment", "path_agreement", "deep_share")
-"""Of what `training_evidence` gives, what `metrics.json` says of a net."""
-AGREEMENT_EVERY = 6
-"""Of those frames."""
 
 
 def place_of(info: Mapping[str, Any], where: str | Path) -> Place | None:
@@ -38,22 +33,18 @@ def training_evidence(net: HorizonFCN, views: Iterable[View], config: Config) ->
         config: its limits, and how the floor's level is taken.
 
     Returns:
-        `evidence`, the limits of `Place` (None if no horizon is in view), `self_assessment`, `path_agreement`
-        (mean over some of the frames, None for none), and `deep_share` of the prediction.
+        `evidence`, the limits of `Place` (None if no horizon is in view), `self_assessment`, and
+        the `deep_share` of the prediction.
     """
-    agreements = []
     calibration, assessment = PlaceCalibration(config.evidence, config.contact), SelfAssessment()
-    for index, view in enumerate(views):
+    for view in views:
         encoded = EncodedImage(net, view.image)
         calibration.add(view.image, view.elevation, encoded.samples().mean(axis=0))
         assessment.update(encoded.of_least_depth(), view.elevation)
-        if index % AGREEMENT_EVERY == 0:  # a path search takes as long as all else
-            agreements.append(path_agreement(view, encoded.of_all_depths(), config.geodesic))
     place = calibration.place()
     card = None if place is None else place.to_card()
     return {
         "evidence": card,
         "self_assessment": assessment.compute(),
-        "path_agreement": mean_agreement(agreements),
         "deep_share": net.deep_share,
     }

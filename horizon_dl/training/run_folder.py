@@ -10,7 +10,7 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor
 
 from horizon_dl.config import Config, load_config, save_config
-from horizon_dl.errors import InputError
+from horizon_dl.errors import InputError, shortened
 from horizon_dl.evidence.place import Place
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
@@ -82,7 +82,9 @@ def load_run(folder: Path) -> Run:
     try:
         net.load_state_dict(load_file(folder / WEIGHTS))
     except (SafetensorError, RuntimeError, OSError, ValueError) as error:
-        problem = f"does not fit the config ({next(iter(str(error).splitlines()), type(error).__name__)})"
+        problem = (
+            f"does not fit the config or is of another version ({shortened(' '.join(str(error).split()))})"
+        )
         raise InputError(folder / WEIGHTS, problem, TRAIN_AGAIN) from None
     return Run(net.eval(), config, read_info(folder))
 

@@ -24,7 +24,7 @@ from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
-from horizon_dl.training.context import deep_share, net_agreement, with_context
+from horizon_dl.training.context import agreement_of, all_depths, share_of_deepest, with_context
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evenly import evenly
@@ -120,10 +120,11 @@ def _train_round(
     guide = copy.deepcopy(net).eval() if number else None
     settings = config.train
     if guide is not None and number == len(config.train.rounds) - 1:
-        agreement = net_agreement(guide, store, indices)
-        trusted = agreement is not None and agreement >= config.train.context_agreement
-        settings = with_context(config) if trusted else config.train
-        net.weigh_deepest(1.0 if trusted else deep_share(agreement))
+        agreement = agreement_of(all_depths(guide), store, indices)
+        if agreement is not None:
+            trusted = agreement >= config.train.context_agreement
+            settings = with_context(config) if trusted else config.train
+            net.weigh_deepest(1.0 if trusted else share_of_deepest(agreement))
     pool = FramePool(
         store,
         indices,
@@ -281,8 +282,9 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
 
 
 def evidence_of(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> dict[str, Any]:
-    """See `training_evidence`, over at most 100 of the frames."""
-    return training_evidence(net, store.views(evenly(indices, EVIDENCE_FRAMES)), store.config)
+    """See `training_evidence`, over at most 100 of the frames; and `path_agreement`, of 16 of them."""
+    evidence = training_evidence(net, store.views(evenly(indices, EVIDENCE_FRAMES)), store.config)
+    return {**evidence, "path_agreement": agreement_of(all_depths(net), store, indices)}
 
 
 def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:
