@@ -36,6 +36,11 @@ SMALL = [
 ]
 
 
+@pytest.fixture(autouse=True)
+def few_steps_are_enough(monkeypatch):
+    monkeypatch.setattr("horizon_dl.training.context.LEAST_STEPS", 0)
+
+
 def slope(height: int = 60, width: int = 80) -> np.ndarray:
     rise = (height / 3 - np.mgrid[0:height, 0:width][0]) / height
     return np.arctan(rise).astype(np.float32)
@@ -157,6 +162,12 @@ def test_without_context_the_deepest_heads_share_follows_the_agreement(agreement
     monkeypatch.setattr(train, "agreement_of", lambda *_: agreement)
     net = train_net(FrameStore(toy, config), range(toy.length), seed=0)
     assert net.deep_share == pytest.approx(share)
+
+
+def test_a_net_of_few_steps_is_not_asked(toy, monkeypatch):
+    monkeypatch.setattr("horizon_dl.training.context.LEAST_STEPS", 8)  # 7 come before the last round
+    config = load_config(None, [*SMALL, "train.context_agreement=-1"])
+    assert train_net(FrameStore(toy, config), range(toy.length), seed=0).deep_share == 0.5
 
 
 def test_one_round_has_nothing_to_decide_by(toy):

@@ -78,7 +78,10 @@ def test_stopped_at_any_step_training_ends_with_the_same_weights(recording, conf
 
 
 @pytest.mark.parametrize("agreement", ["-1", "2"])
-def test_stopped_in_the_last_round_context_and_heads_are_decided_as_before(recording, tmp_path, agreement):
+def test_stopped_in_the_last_round_context_and_heads_are_decided_as_before(
+    recording, tmp_path, agreement, monkeypatch
+):
+    monkeypatch.setattr("horizon_dl.training.context.LEAST_STEPS", 0)
     settings = {
         **QUICK,
         "train.context_agreement": agreement,

@@ -24,6 +24,7 @@ from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
+from horizon_dl.training import context
 from horizon_dl.training.context import agreement_of, all_depths, share_of_deepest, with_context
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
@@ -119,7 +120,8 @@ def _train_round(
     # A copy: targets that are made while the net is trained are those of the round's beginning.
     guide = copy.deepcopy(net).eval() if number else None
     settings = config.train
-    if guide is not None and number == len(config.train.rounds) - 1:
+    done = sum(config.train.rounds[:number])
+    if guide is not None and number == len(config.train.rounds) - 1 and done >= context.LEAST_STEPS:
         agreement = agreement_of(all_depths(guide), store, indices)
         if agreement is not None:
             trusted = agreement >= config.train.context_agreement
@@ -155,7 +157,7 @@ def _train_round(
         net.train(number == 0),
         settings,
         steps,
-        done=sum(config.train.rounds[:number]),
+        done=done,
         after_step=after_step,
         going_on=within,
     )
