@@ -22,7 +22,7 @@ from horizon_dl.models.fcn import enlarge
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.targets.agreement import mean_agreement, path_agreement, rank_correlation_within_bands
 from horizon_dl.training import train
-from horizon_dl.training.context import agreement_of, all_depths, with_context
+from horizon_dl.training.context import agreement_of, all_depths
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.run_folder import WEIGHTS, load_run, save_run, weights
 from horizon_dl.training.train import train_net, train_run
@@ -146,6 +146,7 @@ def test_the_last_round_alone_learns_from_context_where_agreement_suffices(asked
     class Watched(train.CropStream):
         def __init__(self, pool, settings, rng):
             drawn.append((settings.crop, settings.batch, settings.pastes))
+            assert settings.learning_rate == config.train.learning_rate
             super().__init__(pool, settings, rng)
 
     monkeypatch.setattr(train, "CropStream", Watched)
@@ -153,13 +154,12 @@ def test_the_last_round_alone_learns_from_context_where_agreement_suffices(asked
     if trusted:
         assert net.deep_share == 1.0
     assert drawn == [(32, 4, 3), (32, 4, 3), (48, 3, 0) if trusted else (32, 4, 3)]
-    assert with_context(config).learning_rate == config.train.learning_rate
 
 
 @pytest.mark.parametrize(("agreement", "share"), [(None, 0.5), (0.2, 0.0), (0.8, 1.0), (0.7, 0.25 / 0.35)])
 def test_without_context_the_deepest_heads_share_follows_the_agreement(agreement, share, toy, monkeypatch):
     config = load_config(None, [*SMALL, "train.context_agreement=2"])
-    monkeypatch.setattr(train, "agreement_of", lambda *_: agreement)
+    monkeypatch.setattr("horizon_dl.training.context.agreement_of", lambda *_: agreement)
     net = train_net(FrameStore(toy, config), range(toy.length), seed=0)
     assert net.deep_share == pytest.approx(share)
 

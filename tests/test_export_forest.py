@@ -79,7 +79,7 @@ def test_a_tree_of_one_leaf_is_exported_too():
     assert leaf.estimators_[0].tree_.node_count == 1
     classifier.estimators_.append(leaf.estimators_[0])
     forest = HorizonForest(classifier, 1)
-    card = make_forest_card(forest, open_recording(toy_set()), Config(), 0.5, 0.0)
+    card = make_forest_card(forest, open_recording(toy_set()), Config(), 0.5, 0.0, None)
     assert exported(forest, 5000, 0.5, card).card["parity"]["good"]
 
 

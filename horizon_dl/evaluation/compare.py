@@ -206,13 +206,15 @@ def _offline(task: _Task) -> Learned:
     thresholds: dict[str, float] = {}
     train_s: dict[str, float] = {}
     net: HorizonFCN | None = None
+    evidence: dict[str, Any] = {}
     start = time.perf_counter()
     if NET in learners:
         net = train_net(store, split.train, seed=seed, progress=task.progress)
         train_s[NET] = time.perf_counter() - start
-        methods[NET] = NetMethod(
-            net, store.config.geodesic, agreement_of(all_depths(net), store, split.train)
-        )
+        # What is drawn is what would be flown, so the net's evidence is needed before the first frame.
+        evidence = evidence_of(net, store, split.train) if task.on_frame else {}
+        said = evidence or {"path_agreement": agreement_of(all_depths(net), store, split.train)}
+        methods[NET] = NetMethod(net, store.config.geodesic, said["path_agreement"])
         thresholds[NET] = entropy_threshold(net, store, split.train)
     start = time.perf_counter()
     if FOREST in learners:
@@ -223,8 +225,6 @@ def _offline(task: _Task) -> Learned:
         methods[FOREST] = replace(forest, agreement=agreement)
     readings = read_frames(methods, store, split.test, task.workers)
     bar = _bar(readings, f"test, seed {seed}", len(split.test), task.progress)
-    # What is drawn is what would be flown, so the net's evidence is needed before the first frame.
-    evidence = evidence_of(net, store, split.train) if task.on_frame and net is not None else {}
     places = {NET: place_of(evidence, NET)}
     accumulators = accumulate(bar, thresholds, store.config.labels.band_rad, task.on_frame, places)
     for name, seconds in train_s.items():

@@ -100,7 +100,12 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
 
 
 def make_forest_card(
-    forest: HorizonForest, recording: Recording, config: Config, threshold: float, train_s: float
+    forest: HorizonForest,
+    recording: Recording,
+    config: Config,
+    threshold: float,
+    train_s: float,
+    path_agreement: float | None,
 ) -> dict[str, Any]:
     """The same of a forest fitted on a recording, for that recording's camera."""
     trees = forest.classifier.estimators_
@@ -121,6 +126,7 @@ def make_forest_card(
         },
         "trained_camera": True,
         "weights_sha256": forest_hash(forest),
+        "path_agreement": path_agreement,
         **_common(config, recording.calibrated, threshold, f"percentile-{config.threshold.percentile:g}"),
     }
 

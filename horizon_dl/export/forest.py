@@ -38,8 +38,7 @@ def export_forest(recording: Recording, config: Config) -> Exported:
     threshold = forest_threshold(forest, store)
     say = predictor(forest)
     agreement = agreement_of(lambda view: say(view).p_above, store, indices)
-    card = make_forest_card(forest, recording, config, threshold, train_s)
-    card["path_agreement"] = agreement
+    card = make_forest_card(forest, recording, config, threshold, train_s, agreement)
     frames = parity_frames(recording)[:PARITY_FRAMES]
     return exported(forest, config.image.max_pixels, threshold, card, frames)
 

@@ -100,8 +100,9 @@ def _carpeted(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Pictu
     return picture
 
 
-def _tint(arena: Arena, number: int = 0) -> NDArray[np.float32]:
-    return np.asarray(PALETTE[arena.floor_colours[number]], np.float32)
+def _tint(arena: Arena) -> NDArray[np.float32]:
+    """The colour of a floor of one material."""
+    return np.asarray(PALETTE[arena.floor_colours[0]], np.float32)
 
 
 def _lino(rng: np.random.Generator, arena: Arena, _x: Grid, _y: Grid) -> Picture:

@@ -81,7 +81,7 @@ def _box_faces(solid: Solid, texture: int) -> Iterator[Face]:
 def _cuboid_faces(solid: Solid, part: Part, texture: int) -> Iterator[Face]:
     """Sides and top of a part, and its underside where it does not stand on the floor."""
     c, s = float(np.cos(solid.turn_rad)), float(np.sin(solid.turn_rad))
-    x, y = solid.x + c * part.x - s * part.y, solid.y + s * part.x + c * part.y
+    x, y = solid.place(part)
     middle, half_height = (part.low_m + part.high_m) / 2, (part.high_m - part.low_m) / 2
     sides = ((c, s, part.half_x, part.half_y), (-s, c, part.half_y, part.half_x))
     for number, (nx, ny, out, half) in enumerate(sides):
@@ -98,8 +98,7 @@ def _cuboid_faces(solid: Solid, part: Part, texture: int) -> Iterator[Face]:
 
 
 def _part_tube(solid: Solid, part: Part) -> Tube:
-    c, s = float(np.cos(solid.turn_rad)), float(np.sin(solid.turn_rad))
-    x, y = solid.x + c * part.x - s * part.y, solid.y + s * part.x + c * part.y
+    x, y = solid.place(part)
     half = (part.high_m - part.low_m) / 2
     return Tube((x, y, part.low_m + half), part.half_x, half, PALETTE[part.colour])
 

@@ -64,6 +64,11 @@ class Solid:
         whole = Part(0.0, 0.0, self.half_x, self.half_y, 0.0, self.height_m, self.colour, surface)
         return self.parts or (whole,)
 
+    def place(self, part: Part) -> tuple[float, float]:
+        """Where the middle of a part is in the world, metres."""
+        c, s = float(np.cos(self.turn_rad)), float(np.sin(self.turn_rad))
+        return self.x + c * part.x - s * part.y, self.y + s * part.x + c * part.y
+
     def distance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Horizontal distance in metres of points (N, 2) to the outline; 0 inside."""
         offset = points - (self.x, self.y)

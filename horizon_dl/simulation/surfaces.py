@@ -138,7 +138,6 @@ BOX_SURFACES: tuple[Painter, ...] = (cardboard, planks, concrete, plaster, mottl
 PANEL_SURFACES: tuple[Painter, ...] = (stripes, curtain, planks, mottled, plaster, corrugated)
 SURFACES: dict[str, tuple[Painter, ...]] = {
     "box": BOX_SURFACES,
-    "panel": PANEL_SURFACES,
     "plain": (plain,),
     "leaves": (leaves,),
 }

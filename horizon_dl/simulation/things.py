@@ -3,7 +3,7 @@
 Each function gives a `Solid` at the origin; its parts reach no further than its outline.
 """
 
-from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -122,7 +122,7 @@ def tree(rng: Rng) -> Solid:
             Part(0.0, 0.0, crown * size, crown * size, low, low + 0.3 * (top - foot), "green", "round")
         )
     solid = _thing("tree", parts)
-    return Solid(**{**vars(solid), "half_x": trunk, "half_y": trunk})  # one flies under the crown
+    return replace(solid, half_x=trunk, half_y=trunk)  # one flies under the crown
 
 
 def bush(rng: Rng) -> Solid:
@@ -175,6 +175,3 @@ def post(rng: Rng) -> Solid:
     """A lamp post or a bollard."""
     radius, height = float(rng.uniform(0.05, 0.12)), float(rng.choice((0.7, 1.0, 3.0, 4.0)))
     return Solid("pole", 0.0, 0.0, 0.0, radius, radius, height, _colour(rng))
-
-
-Draw = Callable[[Rng], Solid]

@@ -11,7 +11,8 @@ from horizon_dl.simulation.rig import DRONE, Rig, draw_rig
 from horizon_dl.simulation.solid import Solid
 
 Rng = np.random.Generator
-Draws = Sequence[tuple[int, things.Draw]]
+Range = tuple[float, float]
+Draws = Sequence[tuple[int, Callable[[Rng], Solid]]]
 """The largest number of each thing, and how it is drawn."""
 
 
@@ -44,15 +45,7 @@ OUTDOORS: Draws = (
 
 def draw_clutter(rng: Rng) -> Arena:
     """An office, laboratory or store of 8 to 13 m by 7 to 11 m: most in it is low."""
-    arena = Arena(
-        length_m=float(rng.uniform(8, 13)),
-        width_m=float(rng.uniform(7, 11)),
-        wall_m=float(rng.uniform(2.5, 3.4)),
-        open_sky=False,
-        floor_colours=_floor_colours(rng),
-        solids=(),
-        ground=("carpets", "lino", "boards", "tiles")[rng.integers(4)],
-    )
+    arena = _empty(rng, (8, 13), (7, 11), (2.5, 3.4), ("carpets", "lino", "boards", "tiles"))
     for solid in _drawn(rng, AT_WALLS):
         arena = with_solid(arena, at_a_wall(rng, solid, arena))
     return _furnished(rng, arena, INDOORS)
@@ -60,17 +53,15 @@ def draw_clutter(rng: Rng) -> Arena:
 
 def draw_outdoors(rng: Rng) -> Arena:
     """A yard, car park or garden of 18 to 28 m between house walls: grass, gravel or paving, and shadows."""
-    arena = Arena(
-        length_m=float(rng.uniform(18, 28)),
-        width_m=float(rng.uniform(18, 28)),
-        wall_m=float(rng.uniform(3.5, 7.0)),
-        open_sky=True,
-        floor_colours=_floor_colours(rng),
-        solids=(),
-        ground=("grass", "gravel", "paving", "path")[rng.integers(4)],
-        sun_rad=(float(rng.uniform(0, 2 * np.pi)), float(np.deg2rad(rng.uniform(20, 65)))),
-    )
-    return _furnished(rng, arena, OUTDOORS)
+    yard = _empty(rng, (18, 28), (18, 28), (3.5, 7.0), ("grass", "gravel", "paving", "path"))
+    sun_rad = (float(rng.uniform(0, 2 * np.pi)), float(np.deg2rad(rng.uniform(20, 65))))
+    return _furnished(rng, replace(yard, open_sky=True, sun_rad=sun_rad), OUTDOORS)
+
+
+def _empty(rng: Rng, length: Range, width: Range, wall: Range, grounds: Sequence[str]) -> Arena:
+    length_m, width_m, wall_m = (float(rng.uniform(*bounds)) for bounds in (length, width, wall))
+    colours = _floor_colours(rng)
+    return Arena(length_m, width_m, wall_m, False, colours, (), grounds[int(rng.integers(len(grounds)))])
 
 
 def _floor_colours(rng: Rng) -> tuple[str, str, str]:

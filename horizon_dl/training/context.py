@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.config import Config, TrainConfig
+from horizon_dl.config import TrainConfig
 from horizon_dl.data.view import View
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
@@ -53,8 +53,29 @@ def share_of_deepest(agreement: float) -> float:
     return min(max((agreement - NO_CONTEXT) / (ALL_CONTEXT - NO_CONTEXT), 0.0), 1.0)
 
 
-def with_context(config: Config) -> TrainConfig:
-    """The settings of a round that learns from context."""
-    train = config.train
+def before_last_round(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> TrainConfig:
+    """Decide by a net's agreement what the last round learns from.
+
+    Args:
+        net: after all rounds but the last; its heads get their shares of the prediction.
+        store: where its frames come from.
+        indices: which of them.
+
+    Returns:
+        the settings of the last round.
+    """
+    train = store.config.train
+    agreement = agreement_of(all_depths(net), store, indices) if _is_to_be_asked(train) else None
+    if agreement is None:
+        return train
+    if agreement < train.context_agreement:
+        net.weigh_deepest(share_of_deepest(agreement))
+        return train
+    net.weigh_deepest(1.0)
     changed = {"batch": train.context_batch, "crop": train.context_crop, "pastes": 0}
     return train.model_copy(update=changed)
+
+
+def _is_to_be_asked(train: TrainConfig) -> bool:
+    done = train.rounds[:-1]
+    return len(done) > 0 and sum(done) >= LEAST_STEPS

@@ -24,8 +24,7 @@ from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
-from horizon_dl.training import context
-from horizon_dl.training.context import agreement_of, all_depths, share_of_deepest, with_context
+from horizon_dl.training.context import agreement_of, all_depths, before_last_round
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evenly import evenly
@@ -119,14 +118,8 @@ def _train_round(
     title = f"round {number + 1} of {len(config.train.rounds)}"
     # A copy: targets that are made while the net is trained are those of the round's beginning.
     guide = copy.deepcopy(net).eval() if number else None
-    settings = config.train
-    done = sum(config.train.rounds[:number])
-    if guide is not None and number == len(config.train.rounds) - 1 and done >= context.LEAST_STEPS:
-        agreement = agreement_of(all_depths(guide), store, indices)
-        if agreement is not None:
-            trusted = agreement >= config.train.context_agreement
-            settings = with_context(config) if trusted else config.train
-            net.weigh_deepest(1.0 if trusted else share_of_deepest(agreement))
+    last = number == len(config.train.rounds) - 1
+    settings = before_last_round(net, store, indices) if last else config.train
     pool = FramePool(
         store,
         indices,
@@ -157,7 +150,7 @@ def _train_round(
         net.train(number == 0),
         settings,
         steps,
-        done=done,
+        done=sum(config.train.rounds[:number]),
         after_step=after_step,
         going_on=within,
     )
