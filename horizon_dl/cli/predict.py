@@ -85,6 +85,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         if arguments.video and film:
             write_bytes(arguments.video, (folder / FILM).read_bytes())
     say_skipped(skipped)
+    if predictor.doubt:
+        print(f"the net says of itself: {predictor.doubt}")
     note = predictor.note()
     if note:
         print(f"note: {note}")
@@ -157,6 +159,8 @@ def _lead(page: "Page", predictor: "Predictor", source: "FrameSource") -> str:
         words += f" On the {len(page.aucs)} with truth the AUC of its obstacles is {auc:.3f} in the mean."
     if predictor.trained_on == source.name:
         words += " It was trained on these frames, or on frames of the same place: expect less elsewhere."
+    if predictor.doubt:
+        words += f" The net says of itself: {predictor.doubt}."
     note = predictor.note()
     if note:
         words += f" {note[0].upper()}{note[1:]}."

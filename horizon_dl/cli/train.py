@@ -74,7 +74,16 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         print(f"the net says of itself: {doubt}")
     print(f"look at {arguments.out / 'index.html'}")
     print(f"wrote {arguments.out}; next: horizon-dl evaluate {arguments.out} {arguments.data} --out DIR")
-    told = ("frames", "train_s", "threshold", "threshold_rule", "skipped", "self_assessment")
+    told = (
+        "frames",
+        "train_s",
+        "threshold",
+        "threshold_rule",
+        "skipped",
+        "self_assessment",
+        "path_agreement",
+        "deep_share",
+    )
     return {"out": arguments.out, "data": recording.name, **{key: trained.info[key] for key in told}}
 
 
@@ -89,11 +98,14 @@ def _show(folder: Path, trained: "Run", recording: "Recording") -> None:
 
     if is_helper():
         return
+    predictor = RunPredictor(trained)
     part = recording.select(evenly(range(recording.length), MOST_SHOWN))
     lead = (
         f"The net was trained on {trained.info['frames']} frames of {recording.name}, without any label. The "
         f"frames below are of those that it was trained on: what it is worth elsewhere, `evaluate` says."
     )
+    if predictor.doubt:
+        lead += f" The net says of itself: {predictor.doubt}."
     facts = [
         ("threshold", f"{trained.threshold:.3f} ({trained.info['threshold_rule']})"),
         ("training", f"{trained.info['train_s']:.0f} s"),
@@ -101,4 +113,4 @@ def _show(folder: Path, trained: "Run", recording: "Recording") -> None:
     ]
     title = f"Trained on {recording.name}"
     with closing(film_and_page(folder, part, title, lambda _: lead, lambda: facts)) as sink:
-        log_predictions(RunPredictor(trained), part.frames(), sink)
+        log_predictions(predictor, part.frames(), sink)

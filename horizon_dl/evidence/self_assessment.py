@@ -7,6 +7,7 @@ wall from its top by its place, and the better it is trained, the surer, everywh
 each, the share's rank correlation with the AUC within depression bands was -1.0 (docs/RESEARCH.md).
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -73,10 +74,15 @@ def verdict(share: float | None) -> str:
     return "doubtful" if share > DOUBTFUL else "ok"
 
 
-def said(assessment: dict[str, Any] | None) -> str | None:
-    """A line for the user; None where there is nothing to say."""
-    if not assessment or assessment["verdict"] == "ok":
+def said(assessment: object) -> str | None:
+    """A line for the user of what `compute` gives, as files hold it; None where there is nothing to say.
+
+    A file may come from elsewhere: what is no assessment says nothing.
+    """
+    if not isinstance(assessment, Mapping):
         return None
-    share = assessment["sure_below"]
-    number = "" if share is None else f" ({share:.0%} below)"
-    return f"{assessment['verdict']} here{number}: {WORDS[assessment['verdict']]}"
+    words, share = str(assessment.get("verdict")), assessment.get("sure_below")
+    if not WORDS.get(words):
+        return None
+    number = f" ({share:.0%} below)" if isinstance(share, (int, float)) else ""
+    return f"{words} here{number}: {WORDS[words]}"

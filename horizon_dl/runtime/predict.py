@@ -12,6 +12,7 @@ from horizon_dl.data.frame import Frame, checked, has_attitude
 from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
+from horizon_dl.evidence.self_assessment import said
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.resize import area_resize, nearest
 from horizon_dl.runtime.fit_picture import FittedPicture, fit_picture
@@ -33,6 +34,7 @@ class FilePredictor:
         self.model, self.name = model, name
         data = model.card.get("trained_on", {}).get("data")
         self.trained_on = str(data) if data else None
+        self.doubt = said(model.card.get("self_assessment"))
         self.fitted: Counter[str] = Counter()
         self._rays = model_rays(model)
 
@@ -59,8 +61,8 @@ class FilePredictor:
         return whole if frame.camera is not None else _on_picture(whole, fitted)
 
     def _of(self, frame: Frame, found: Outputs) -> Prediction:
-        said = of_outputs(frame, found, self.model.threshold, self._rays)
-        return replace(said, place=self.model.place, rules=self.model.rules)
+        whole = of_outputs(frame, found, self.model.threshold, self._rays)
+        return replace(whole, place=self.model.place, rules=self.model.rules)
 
     def note(self) -> str | None:
         """What was done to images of other sizes than the model's, in a sentence; None where none were."""

@@ -72,10 +72,12 @@ class Predictor(Protocol):
     Attributes:
         name: for titles.
         trained_on: name of the data it has learned from, or None.
+        doubt: what it says of itself where it is not to be trusted without a look; None for nothing.
     """
 
     name: str
     trained_on: str | None
+    doubt: str | None
 
     def check(self, source: FrameSource) -> None:
         """InputError where no frame of the source can be predicted, as those of another camera."""

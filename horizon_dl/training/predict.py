@@ -7,6 +7,7 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame, checked
 from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View, any_view
+from horizon_dl.evidence.self_assessment import said
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
@@ -24,6 +25,7 @@ class RunPredictor:
         self.run, self.name = run, name
         data = run.info.get("data")
         self.trained_on = str(data) if data else None
+        self.doubt = said(run.info.get("self_assessment"))
 
     def check(self, source: FrameSource) -> None:
         """Every source fits."""
