@@ -50,6 +50,8 @@ PLAIN = tuple(
 )
 VARIANTS = {
     "default": Variant(),
+    "random start": Variant(("model.start=random",)),
+    "start alone": Variant(("train.simulated_share=0",)),
     "context never": Variant(("train.context_agreement=2",)),
     "context always": Variant(("train.context_agreement=-1",)),
     "no pastes": Variant(("train.pastes=0",)),

@@ -17,8 +17,8 @@ from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.evaluation.scoring import accumulate, read_frame
 from horizon_dl.methods.learners import Method, NetMethod
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
-from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.models.start import starting_net
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.training.context import agreement_of, all_depths
@@ -102,7 +102,7 @@ def trained_net(
     """
 
     def build(config: ModelConfig) -> HorizonFCN:
-        return place_dropout(build_net(config), place)
+        return place_dropout(starting_net(config), place)
 
     store = store_of(name, overrides)
     path = folder / f"{'_'.join([name, str(seed), place, *overrides]).replace('/', '_')}.safetensors"
@@ -110,7 +110,7 @@ def trained_net(
         net = build(store.config.model)
         net.load_state_dict(load_file(path))
         return net.eval()
-    with patch("horizon_dl.training.train.build_net", build):
+    with patch("horizon_dl.training.train.starting_net", build):
         net = train_net(store, split_recording(store.recording, "labelled-out").train, seed=seed)
     beside = path.with_suffix(f".{os.getpid()}.part")
     save_file(weights(net), beside)

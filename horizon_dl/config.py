@@ -60,6 +60,7 @@ class ModelConfig(Section):
     """The net and its dropout."""
 
     kind: Literal["fcn", "mobilenet_v3_small", "resnet18"] = "fcn"
+    start: Literal["simulated", "random"] = "simulated"
     channels: Few = 32
     dropout: Share = 0.25
     samples: Few = 16
@@ -75,6 +76,7 @@ class TrainConfig(Section):
     context_agreement: Annotated[float, Field(ge=-1.0, le=2.0)] = 0.8
     context_batch: Few = 8
     context_crop: Annotated[int, Field(ge=32, le=10**5)] = 128
+    simulated_share: Annotated[float, Field(ge=0.0, le=1.0)] = 0.8
     learning_rate: Positive = 0.003
     weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
     average_decay: Share = 0.98

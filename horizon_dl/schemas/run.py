@@ -1,6 +1,6 @@
 """`run.json` of a run folder: what a net was trained on, and its threshold."""
 
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -30,6 +30,7 @@ class RunInfo(Versioned):
     format: str
     camera: CameraFields
     frames: int
+    start: Literal["simulated", "random"] = "random"
     train_s: float
     threshold: float = Field(ge=0.0, le=1.0)
     threshold_rule: str

@@ -1,12 +1,14 @@
-"""Whether the last round may learn from context, decided without a label.
+"""What the last round learns from, decided without a label by how far net and paths agree.
 
 What surrounds a pixel tells shade from a wall, but also where in the scene a pixel lies, and then a desk is
 floor as it lies where floor does. So rounds learn from small crops with pieces of others pasted in. Where the
 net so far and the paths through the image agree on what is obstacle (`targets/agreement.py`) things differ
-from the floor in appearance, and context only helps.
+from the floor in appearance, and context only helps. Where they do not, paths are no guide to the truth: then
+the targets also follow the net that was taught in simulated worlds (`models/start.py`).
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +17,7 @@ from horizon_dl.config import TrainConfig
 from horizon_dl.data.view import View
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.models.start import starts_simulated
 from horizon_dl.targets.agreement import mean_agreement, path_agreement
 from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
@@ -28,6 +31,19 @@ head was by far the best; one of 120 by .74."""
 NO_CONTEXT, ALL_CONTEXT = 0.45, 0.8
 """Agreements between which the deepest head's share grows from none to all. Picked on eight sets (mean within
 bands .769 to .777); on sixteen simulated worlds, on which they were not picked, they change nothing."""
+
+
+@dataclass(frozen=True)
+class LastRound:
+    """What the last round learns from.
+
+    Attributes:
+        settings: its crops.
+        taught: share of the simulated worlds' net in the targets below the horizon, in [0, 1].
+    """
+
+    settings: TrainConfig
+    taught: float = 0.0
 
 
 def agreement_of(learner: Callable[[View], Map], store: FrameStore, indices: Sequence[int]) -> float | None:
@@ -53,27 +69,26 @@ def share_of_deepest(agreement: float) -> float:
     return min(max((agreement - NO_CONTEXT) / (ALL_CONTEXT - NO_CONTEXT), 0.0), 1.0)
 
 
-def before_last_round(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> TrainConfig:
+def before_last_round(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> LastRound:
     """Decide by a net's agreement what the last round learns from.
 
     Args:
         net: after all rounds but the last; its heads get their shares of the prediction.
         store: where its frames come from.
         indices: which of them.
-
-    Returns:
-        the settings of the last round.
     """
     train = store.config.train
     agreement = agreement_of(all_depths(net), store, indices) if _is_to_be_asked(train) else None
     if agreement is None:
-        return train
+        return LastRound(train)
     if agreement < train.context_agreement:
-        net.weigh_deepest(share_of_deepest(agreement))
-        return train
+        share = share_of_deepest(agreement)
+        net.weigh_deepest(share)
+        taught = train.simulated_share if starts_simulated(store.config.model) else 0.0
+        return LastRound(train, taught * (1.0 - share))
     net.weigh_deepest(1.0)
     changed = {"batch": train.context_batch, "crop": train.context_crop, "pastes": 0}
-    return train.model_copy(update=changed)
+    return LastRound(train.model_copy(update=changed))
 
 
 def _is_to_be_asked(train: TrainConfig) -> bool:

@@ -4,6 +4,7 @@ The net judges at a quarter of the image's size, and diffusion at half the size 
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -16,11 +17,25 @@ from horizon_dl.geometry.resize import area_resize, halved
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.targets.targets import make_target
+from horizon_dl.targets.taught import taught_target
 from horizon_dl.training.crops import TrainingFrame
 
 T = TypeVar("T", bound=np.generic)
 Map = NDArray[np.float32]
 Guide = Callable[[NDArray[np.uint8], tuple[int, ...]], Map]
+
+
+@dataclass(frozen=True)
+class Teacher:
+    """A net whose opinion has a share of the targets.
+
+    Attributes:
+        says: what it says of an image at a size.
+        share: in [0, 1].
+    """
+
+    says: Guide
+    share: float
 
 
 def guide_of(net: HorizonFCN) -> Guide:
@@ -29,7 +44,11 @@ def guide_of(net: HorizonFCN) -> Guide:
 
 
 def half_resolution_target(
-    image: NDArray[np.uint8], elevation: Map, config: Config, guide: Guide | None
+    image: NDArray[np.uint8],
+    elevation: Map,
+    config: Config,
+    guide: Guide | None,
+    teacher: Teacher | None = None,
 ) -> NDArray[np.float16]:
     """The target of an image, made at half its size.
 
@@ -38,6 +57,7 @@ def half_resolution_target(
         elevation: (h // 2, w // 2) rad, as of `halved`.
         config: names the kind of target.
         guide: gives what a net says of an image at a size; the target follows it, too. None: the image alone.
+        teacher: has a share of the target below the horizon, see `taught_target`.
 
     Returns:
         (h, w) in [0, 1]; 0 where nothing is known.
@@ -45,10 +65,10 @@ def half_resolution_target(
     size = elevation.shape
     small = View(area_resize(image, (size[1], size[0])), elevation)
     p_above = None if guide is None else guide(image, size)
-    target = np.nan_to_num(make_target(config.target.kind, small, p_above, config.geodesic)).astype(
-        np.float16
-    )
-    return doubled(target, image.shape[:2])
+    target = make_target(config.target.kind, small, p_above, config.geodesic)
+    if teacher is not None:
+        target = taught_target(target, elevation, teacher.says(image, size), teacher.share)
+    return doubled(np.nan_to_num(target).astype(np.float16), image.shape[:2])
 
 
 def doubled(target: NDArray[T], size: tuple[int, ...]) -> NDArray[T]:
@@ -58,8 +78,10 @@ def doubled(target: NDArray[T], size: tuple[int, ...]) -> NDArray[T]:
     return np.pad(twice, missing, mode="edge")
 
 
-def half_resolution_frame(view: View, config: Config, guide: Guide | None) -> TrainingFrame:
-    """A view with its target, and where it counts; `guide` as for `half_resolution_target`."""
-    target = half_resolution_target(view.image, halved(view.elevation), config, guide)
+def half_resolution_frame(
+    view: View, config: Config, guide: Guide | None, teacher: Teacher | None = None
+) -> TrainingFrame:
+    """A view with its target, and where it counts; `guide` and `teacher` as for `half_resolution_target`."""
+    target = half_resolution_target(view.image, halved(view.elevation), config, guide, teacher)
     valid_mask = labelled_pixels(view.elevation, config.labels.band_rad)
     return TrainingFrame(view.image, target, valid_mask)

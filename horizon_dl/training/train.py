@@ -19,18 +19,18 @@ from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.geometry.horizon import labelled_pixels
-from horizon_dl.models.build import build_net
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.models.start import starting_net, starts_simulated
 from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
-from horizon_dl.training.context import agreement_of, all_depths, before_last_round
+from horizon_dl.training.context import LastRound, agreement_of, all_depths, before_last_round
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evenly import evenly
 from horizon_dl.training.evidence import EVIDENCE_FRAMES, training_evidence
 from horizon_dl.training.frame_store import FramePool, FrameStore
-from horizon_dl.training.half_resolution import guide_of, half_resolution_frame
+from horizon_dl.training.half_resolution import Teacher, guide_of, half_resolution_frame
 from horizon_dl.training.loggers import open_logger
 from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
@@ -81,7 +81,7 @@ def train_net(
     found = None if keeper is None else keeper.found
     with _quiet_lightning(), torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        net = build_net(config.model)
+        net = starting_net(config.model)
         if found is not None:
             _restore(found, net, rng, store)
         for number in range(found.number if found else 0, len(config.train.rounds)):
@@ -119,11 +119,11 @@ def _train_round(
     # A copy: targets that are made while the net is trained are those of the round's beginning.
     guide = copy.deepcopy(net).eval() if number else None
     last = number == len(config.train.rounds) - 1
-    settings = before_last_round(net, store, indices) if last else config.train
+    plan = before_last_round(net, store, indices) if last else LastRound(config.train)
     pool = FramePool(
         store,
         indices,
-        make_frame=_frame_maker(config, guide, keeper),
+        make_frame=_frame_maker(config, guide, plan.taught, keeper),
         memory_mb=config.train.memory_mb,
         rng=rng,
         progress=progress,
@@ -132,7 +132,7 @@ def _train_round(
     )
     if within is not None:
         rng.bit_generator.state = within.values["random"]
-    stream = CropStream(pool, settings, rng)
+    stream = CropStream(pool, plan.settings, rng)
     first = within.step if within else 0
 
     def after_step(module: HorizonModule) -> None:
@@ -148,7 +148,7 @@ def _train_round(
     # Later rounds keep the first one's batch statistics, and drop nothing: see docs/RESEARCH.md.
     module = HorizonModule(
         net.train(number == 0),
-        settings,
+        plan.settings,
         steps,
         done=sum(config.train.rounds[:number]),
         after_step=after_step,
@@ -166,12 +166,15 @@ def _train_round(
 
 
 def _frame_maker(
-    config: Config, guide: HorizonFCN | None, keeper: TrainingKeeper | None
+    config: Config, guide: HorizonFCN | None, taught: float, keeper: TrainingKeeper | None
 ) -> Callable[[View], TrainingFrame]:
+    guided = None if guide is None else guide_of(guide)
+    teacher = Teacher(guide_of(starting_net(config.model).eval()), taught) if taught else None
+
     def make(view: View) -> TrainingFrame:
         if keeper is not None:
             keeper.check_stop()  # what was learned stands in the last checkpoint
-        return half_resolution_frame(view, config, None if guide is None else guide_of(guide))
+        return half_resolution_frame(view, config, guided, teacher)
 
     return make
 
@@ -268,6 +271,7 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "camera": asdict(recording.calibrated),
         "frames": len(indices) - len(store.skipped),
         "skipped": store.skipped,
+        "start": "simulated" if starts_simulated(config.model) else "random",
         "train_s": train_s,
         "threshold": entropy_threshold(net, store, indices),
         "threshold_rule": PaperThreshold(config.threshold.percentile).rule,

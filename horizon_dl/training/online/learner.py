@@ -15,9 +15,9 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View, any_view
 from horizon_dl.geometry.resize import halved
-from horizon_dl.models.build import build_net
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.models.start import starting_net
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.crops import Batch, draw_batch
@@ -77,7 +77,7 @@ class OnlineLearner:
         self._rng = np.random.default_rng(seed)
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
-            self._net = build_net(config.model)
+            self._net = starting_net(config.model)
             self._dropout_state = torch.get_rng_state()
         self._average = averaged(self._net, config.train.average_decay)
         self.memory = ReplayBuffer(config.online.memory_mb, self._rng)

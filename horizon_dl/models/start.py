@@ -1,0 +1,35 @@
+"""What a net starts from: weights that the small net learned in simulated worlds, or random ones."""
+
+from pathlib import Path
+
+from safetensors.torch import load_file
+
+from horizon_dl.config import ModelConfig
+from horizon_dl.models.build import build_net
+from horizon_dl.models.fcn import HorizonFCN
+
+SIMULATED = Path(__file__).with_name("simulated_start.safetensors")
+"""Weights and batch statistics of the small net, written by `benchmarks/simulated_start.py`.
+
+The net was taught floor against everything else in rendered rooms and yards, whose labels come from the
+renderer: no picture of a real camera and no label by hand took part.
+"""
+
+
+def starting_net(config: ModelConfig) -> HorizonFCN:
+    """A net to be trained, with the weights that `config.start` names; see `starts_simulated`."""
+    net = build_net(config)
+    if starts_simulated(config):
+        # Its masks and the heads' shares are its own: they depend on the config and on the recording.
+        net.load_state_dict(load_file(SIMULATED), strict=False)
+    return net
+
+
+def starts_simulated(config: ModelConfig) -> bool:
+    """Whether a net starts from the simulated worlds: only the small net of 32 channels has such weights.
+
+    Example:
+        >>> starts_simulated(ModelConfig()), starts_simulated(ModelConfig(channels=16))
+        (True, False)
+    """
+    return config.start == "simulated" and config.kind == "fcn" and config.channels == 32
