@@ -77,13 +77,15 @@ def test_stopped_at_any_step_training_ends_with_the_same_weights(recording, conf
     )
 
 
-@pytest.mark.parametrize("agreement", ["-1", "2"])
-def test_stopped_in_the_last_round_context_and_heads_are_decided_as_before(
-    recording, tmp_path, agreement, monkeypatch
+@pytest.mark.parametrize(("agreement", "channels"), [("-1", "6"), ("2", "6"), ("2", "32")])
+def test_stopped_in_the_last_round_context_heads_and_teacher_are_decided_as_before(
+    recording, tmp_path, agreement, channels, monkeypatch
 ):
     monkeypatch.setattr("horizon_dl.training.context.LEAST_STEPS", 0)
+    monkeypatch.setattr("horizon_dl.training.context.agreement_of", lambda *_: 0.5)
     settings = {
         **QUICK,
+        "model.channels": channels,
         "train.context_agreement": agreement,
         "train.context_crop": "40",
         "train.context_batch": "2",
@@ -98,8 +100,7 @@ def test_stopped_in_the_last_round_context_and_heads_are_decided_as_before(
     run, whole = train_run(recording, config, keeper=again), train_run(recording, config)
     assert_equal(run, whole)
     assert run.info["path_agreement"] == whole.info["path_agreement"]
-    if agreement == "-1":
-        assert run.net.deep_share == 1.0
+    assert run.net.deep_share == pytest.approx(1.0 if agreement == "-1" else 0.05 / 0.35)
 
 
 def test_a_checkpoint_of_another_training_is_one_line(recording, config, tmp_path):

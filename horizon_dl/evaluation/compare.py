@@ -41,7 +41,8 @@ from horizon_dl.training.context import agreement_of, all_depths
 from horizon_dl.training.evenly import evenly
 from horizon_dl.training.evidence import place_of
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.train import entropy_threshold, evidence_of, train_net
+from horizon_dl.training.thresholds import entropy_threshold, simulated_threshold
+from horizon_dl.training.train import evidence_of, train_net
 from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
 from horizon_dl.workers import SERIAL, Workers, processes_beside
@@ -229,6 +230,8 @@ def _offline(task: _Task) -> Learned:
     accumulators = accumulate(bar, thresholds, store.config.labels.band_rad, task.on_frame, places)
     for name, seconds in train_s.items():
         accumulators[name].train_s = seconds
+    if net is not None:
+        accumulators[NET].simulated_threshold = simulated_threshold(net, store, split.train)
     return accumulators, net, evidence
 
 

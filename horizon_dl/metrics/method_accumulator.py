@@ -51,6 +51,8 @@ class MethodAccumulator:
         rocs: by score, below the horizon.
         other_rocs: of other pixels than those, by their name and by score: `above`, `crossing`, `low`.
         calibration: of `p_above`, outside the ignore band.
+        threshold: the paper's, of the entropy, bits; None for methods without one.
+        simulated_threshold: another one, see `taught_threshold`.
     """
 
     rocs: dict[str, RocAccumulator] = field(default_factory=dict)
@@ -59,6 +61,7 @@ class MethodAccumulator:
     raw: Confusion = field(default_factory=Confusion)
     filtered: Confusion = field(default_factory=Confusion)
     threshold: float | None = None
+    simulated_threshold: float | None = None
     right_sides: int = 0
     sides: int = 0
     frames: int = 0

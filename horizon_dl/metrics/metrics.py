@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from statistics import fmean, stdev
-from typing import Any
+from typing import Any, cast
 
 from horizon_dl.metrics.method_accumulator import MethodAccumulator, MethodFigures
 from horizon_dl.metrics.roc import RocResult
+from horizon_dl.uncertainty.taught_threshold import RULE
 
 SCHEMA = 1
 FIGURES = ("auc", "auc_within_depression", "ap", "fpr90", "fpr95", "best_f1")
@@ -35,6 +36,8 @@ def method_metrics(accumulators: Sequence[MethodAccumulator], rule: str) -> dict
     block["predict_ms_per_frame"] = fmean(one.predict_ms for one in found)
     if any(accumulator.threshold is not None for accumulator in accumulators):
         block["operating_point"] = _operating_point(accumulators, found, rule)
+    if any(accumulator.simulated_threshold is not None for accumulator in accumulators):
+        block["operating_point_simulated"] = _simulated_point(accumulators)
     for other in found[0].others:
         block |= _other_metrics(other, [one.others[other] for one in found])
     return block
@@ -57,6 +60,18 @@ def _score_metrics(results: Sequence[RocResult]) -> dict[str, float | None]:
     for figure in FIGURES:
         block |= mean_and_spread(figure, [getattr(result, figure) for result in results])
     return block
+
+
+def _simulated_point(accumulators: Sequence[MethodAccumulator]) -> dict[str, Any]:
+    """Threshold and rates by the rule that asks the simulated worlds' net."""
+    known = [one for one in accumulators if one.simulated_threshold is not None]
+    rates = [one.rocs["entropy"].rates_at(cast(float, one.simulated_threshold)) for one in known]
+    columns: Mapping[str, list[float | None]] = {
+        "threshold": [one.simulated_threshold for one in known],
+        "tpr": [tpr for tpr, _ in rates],
+        "fpr": [fpr for _, fpr in rates],
+    }
+    return {name: mean_and_spread(name, values)[name] for name, values in columns.items()} | {"rule": RULE}
 
 
 def _operating_point(

@@ -64,6 +64,10 @@ def method_rows(metrics: Mapping[str, Any]) -> list[list[str]]:
         ]
         if any(cell != _MISSING for cell in row[1:]):
             rows.append(row)
+        other = values.get("operating_point_simulated")
+        if other:
+            gaps = [_MISSING] * 3
+            rows.append(["", *gaps, other["rule"], _number(other["threshold"], 3), _rates(other), _MISSING])
     return rows
 
 

@@ -45,6 +45,7 @@ class MethodMetrics(Part):
     predict_ms_per_frame: float
     horizon_accuracy: Figure = None
     operating_point: OperatingPoint | None = None
+    operating_point_simulated: OperatingPoint | None = None
     above: OtherPixels | None = None
     crossing: OtherPixels | None = None
     low: OtherPixels | None = None

@@ -34,4 +34,5 @@ class RunInfo(Versioned):
     train_s: float
     threshold: float = Field(ge=0.0, le=1.0)
     threshold_rule: str
+    simulated_threshold: float | None = Field(default=None, ge=0.0, le=1.0, allow_inf_nan=False, strict=True)
     path_agreement: float | None = Field(default=None, ge=-1.0, le=1.0, allow_inf_nan=False, strict=True)

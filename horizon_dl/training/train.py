@@ -18,8 +18,6 @@ from torch.utils.data import DataLoader
 from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
-from horizon_dl.geometry.horizon import labelled_pixels
-from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.start import starting_net, starts_simulated
 from horizon_dl.progress import show_progress
@@ -36,8 +34,8 @@ from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
 from horizon_dl.training.run_folder import Run
 from horizon_dl.training.several_processes import process_number
-from horizon_dl.uncertainty.measures import binary_entropy
-from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
+from horizon_dl.training.thresholds import entropy_threshold, simulated_threshold
+from horizon_dl.uncertainty.threshold import PaperThreshold
 
 AfterRound = Callable[[HorizonFCN, FrameStore, int, Logger], None]
 """Takes the net after a round, its frames, the steps taken so far, and the logger."""
@@ -275,6 +273,7 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "train_s": train_s,
         "threshold": entropy_threshold(net, store, indices),
         "threshold_rule": PaperThreshold(config.threshold.percentile).rule,
+        "simulated_threshold": simulated_threshold(net, store, indices),
         **evidence_of(net, store, indices),
     }
     return Run(net.eval(), config, info)
@@ -284,19 +283,6 @@ def evidence_of(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> d
     """See `training_evidence`, over at most 100 of the frames; and `path_agreement`, of 16 of them."""
     evidence = training_evidence(net, store.views(evenly(indices, EVIDENCE_FRAMES)), store.config)
     return {**evidence, "path_agreement": agreement_of(all_depths(net), store, indices)}
-
-
-def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float:
-    """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
-    config = store.config
-    frames = (
-        (
-            binary_entropy(EncodedImage(net, view.image).samples().mean(axis=0)),
-            labelled_pixels(view.elevation, config.labels.band_rad),
-        )
-        for view in store.views(evenly(indices, MOST_FRAMES))
-    )
-    return paper_threshold(frames, config.threshold.percentile)
 
 
 @contextmanager

@@ -1,0 +1,63 @@
+"""The threshold that is chosen by what a teacher says, against an independent reference."""
+
+import json
+
+import numpy as np
+import pytest
+from sklearn.metrics import roc_curve
+from toy import write_toy_set
+
+from horizon_dl.cli import main
+from horizon_dl.schemas.metrics import Metrics
+from horizon_dl.uncertainty.taught_threshold import OBSTACLE, taught_threshold
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_it_is_youdens_point_of_scikit_learns_curve(seed):
+    rng = np.random.default_rng(seed)
+    p = rng.random(4000)
+    entropy = (0.6 * p + 0.4 * rng.random(4000)).clip(0, 1)
+    entropy[::50] = np.nan
+    found = taught_threshold([(entropy[:1500], p[:1500]), (entropy[1500:], p[1500:])])
+    known = ~np.isnan(entropy)
+    fpr, tpr, _ = roc_curve(p[known] >= OBSTACLE, entropy[known])
+    said, truth = entropy[known] > found, p[known] >= OBSTACLE
+    assert said[truth].mean() - said[~truth].mean() == pytest.approx((tpr - fpr).max(), abs=2e-3)
+
+
+def test_a_teacher_that_knows_one_kind_gives_none():
+    assert taught_threshold([(np.array([0.3, 0.5]), np.array([0.9, 0.8]))]) is None
+    assert taught_threshold([(np.array([0.3, 0.5]), np.array([0.0, 0.1]))]) is None
+    assert taught_threshold([]) is None
+    assert taught_threshold([(np.full(3, np.nan), np.array([0.0, 0.9, 0.5]))]) is None
+
+
+FEW = ["--train.rounds", "[3, 3]", "--train.batch", "2", "--train.crop", "32"]
+
+
+def test_compare_train_and_evaluate_state_it_beside_the_papers(tmp_path, capsys):
+    data = write_toy_set(tmp_path / "set", frames=24)
+    few = ["--seed", "1", *FEW]
+    assert main(["compare", str(data), "--out", str(tmp_path / "cmp"), "--seeds", "2", *few]) == 0
+    assert main(["train", str(data), "--out", str(tmp_path / "run"), *few]) == 0
+    assert main(["evaluate", str(tmp_path / "run"), str(data), "--out", str(tmp_path / "eva")]) == 0
+    run = json.loads((tmp_path / "run" / "run.json").read_text())
+    for folder in ("cmp", "eva"):
+        path = tmp_path / folder / "metrics.json"
+        Metrics.read(path)
+        net = json.loads(path.read_text())["methods"]["cnn"]
+        assert net["operating_point"]["rule"] == "percentile-25"
+        point = net["operating_point_simulated"]
+        assert point["rule"] == "youden-simulated"
+        assert 0 <= point["fpr"] <= 1
+        assert 0 <= point["tpr"] <= 1
+        if folder == "eva":
+            assert point["threshold"] == pytest.approx(run["simulated_threshold"])
+        assert "youden-simulated" in (tmp_path / folder / "report.html").read_text()
+    capsys.readouterr()
+    random = [*few, "--model.start", "random"]
+    assert main(["compare", str(data), "--out", str(tmp_path / "rnd"), "--seeds", "1", *random]) == 0
+    assert (
+        "operating_point_simulated"
+        not in json.loads((tmp_path / "rnd" / "metrics.json").read_text())["methods"]["cnn"]
+    )
