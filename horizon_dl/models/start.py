@@ -33,3 +33,8 @@ def starts_simulated(config: ModelConfig) -> bool:
         (True, False)
     """
     return config.start == "simulated" and config.kind == "fcn" and config.channels == 32
+
+
+def start_of(config: ModelConfig) -> str:
+    """What a net starts from, in a word for `run.json`: `simulated` or `random`."""
+    return "simulated" if starts_simulated(config) else "random"

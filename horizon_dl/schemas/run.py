@@ -30,7 +30,7 @@ class RunInfo(Versioned):
     format: str
     camera: CameraFields
     frames: int
-    start: Literal["simulated", "random"] = "random"
+    start: Literal["simulated", "random"] | None = None
     train_s: float
     threshold: float = Field(ge=0.0, le=1.0)
     threshold_rule: str

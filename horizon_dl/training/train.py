@@ -19,7 +19,7 @@ from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.models.start import starting_net, starts_simulated
+from horizon_dl.models.start import start_of, starting_net
 from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
 from horizon_dl.training.context import LastRound, agreement_of, all_depths, before_last_round
@@ -269,7 +269,7 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "camera": asdict(recording.calibrated),
         "frames": len(indices) - len(store.skipped),
         "skipped": store.skipped,
-        "start": "simulated" if starts_simulated(config.model) else "random",
+        "start": start_of(config.model),
         "train_s": train_s,
         "threshold": entropy_threshold(net, store, indices),
         "threshold_rule": PaperThreshold(config.threshold.percentile).rule,

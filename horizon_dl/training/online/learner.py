@@ -17,7 +17,7 @@ from horizon_dl.data.view import View, any_view
 from horizon_dl.geometry.resize import halved
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.models.start import starting_net
+from horizon_dl.models.start import start_of, starting_net
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.crops import Batch, draw_batch
@@ -149,7 +149,10 @@ class OnlineLearner:
             info: for the run's `info`, which the threshold is added to.
         """
         net, frames = copy.deepcopy(self.net).eval(), self.memory.sample(MOST_FRAMES)
-        rule = {"threshold_rule": PaperThreshold(self.config.threshold.percentile).rule}
+        rule = {
+            "start": start_of(self.config.model),
+            "threshold_rule": PaperThreshold(self.config.threshold.percentile).rule,
+        }
 
         def run() -> Run:
             threshold = remembered_threshold(net, frames, self.config)
