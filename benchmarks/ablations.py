@@ -16,7 +16,8 @@ ABLATIONS: dict[str, tuple[str, ...]] = {
     "geodesic, image edges only (one round)": ("train.rounds=[450]",),
     "without the path from the sure floor": ("target.kind=one_way_geodesic",),
     "no dropout in training": ("model.dropout=0.0",),
-    "half as wide": ("model.channels=16",),
+    "random start": ("model.start=random",),
+    "half as wide, random start": ("model.channels=16",),
 }
 
 

@@ -18,7 +18,7 @@ from horizon_dl.evaluation.scoring import accumulate, read_frame
 from horizon_dl.methods.learners import Method, NetMethod
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.models.start import starting_net
+from horizon_dl.models.start import start_of, starting_net
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.training.context import agreement_of, all_depths
@@ -105,7 +105,8 @@ def trained_net(
         return place_dropout(starting_net(config), place)
 
     store = store_of(name, overrides)
-    path = folder / f"{'_'.join([name, str(seed), place, *overrides]).replace('/', '_')}.safetensors"
+    parts = [name, str(seed), place, start_of(store.config.model), *overrides]
+    path = folder / f"{'_'.join(parts).replace('/', '_')}.safetensors"
     if path.exists():
         net = build(store.config.model)
         net.load_state_dict(load_file(path))

@@ -27,7 +27,7 @@ from horizon_dl.data.frame import Truth
 from horizon_dl.geometry.resize import area_resize, nearest
 from horizon_dl.models.build import build_net
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.models.start import SIMULATED
+from horizon_dl.models.start import OWN, SIMULATED
 from horizon_dl.progress import show_progress
 from horizon_dl.simulation.shots import Conditions, draw_flight, render_flight
 from horizon_dl.simulation.worlds import WORLDS
@@ -43,8 +43,6 @@ SIZES = ((320, 240), (320, 240), (224, 168), (176, 132))
 """Of the pictures that are kept, one after the other: things are learned nearer and farther."""
 BATCH, CROP = 12, 128
 LEARNING_RATE, WEIGHT_DECAY, AVERAGE_DECAY = 0.003, 0.0001, 0.99
-OWN = ("masks", "head_weights")
-"""What every net draws or decides by itself."""
 
 
 def main() -> None:

@@ -13,7 +13,7 @@ from horizon_dl.config import Config, ModelConfig, load_config
 from horizon_dl.data.view import View
 from horizon_dl.models.build import build_net
 from horizon_dl.models.encoded import EncodedImage
-from horizon_dl.models.start import SIMULATED, starting_net, starts_simulated
+from horizon_dl.models.start import OWN, SIMULATED, simulated_net, starting_net, starts_simulated
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.targets.taught import taught_target
@@ -24,12 +24,10 @@ from horizon_dl.training.half_resolution import Teacher, half_resolution_target
 from horizon_dl.training.online.learner import OnlineLearner
 from horizon_dl.training.train import train_run
 
-OWN = {"masks", "head_weights"}
-
 
 def test_the_file_holds_all_that_is_learned_and_nothing_else():
     found, net = load_file(SIMULATED), build_net(ModelConfig()).state_dict()
-    assert set(found) == set(net) - OWN
+    assert set(found) == set(net) - set(OWN)
     for name, tensor in found.items():
         assert tensor.shape == net[name].shape
         assert torch.isfinite(tensor.float()).all()
@@ -113,12 +111,15 @@ def toy(tmp_path_factory):
 
 
 @pytest.mark.parametrize("agreement", [None, -0.2, 0.45, 0.6, 0.8, 0.95])
-@pytest.mark.parametrize("start", ["simulated", "random"])
-def test_the_teachers_share_falls_as_the_agreement_rises(agreement, start, toy, monkeypatch):
+@pytest.mark.parametrize(
+    ("start", "target", "teaches"),
+    [("simulated", "geodesic", True), ("random", "geodesic", False), ("simulated", "hard", False)],
+)
+def test_the_teachers_share_falls_as_the_agreement_rises(agreement, start, target, teaches, toy, monkeypatch):
     monkeypatch.setattr("horizon_dl.training.context.agreement_of", lambda *_: agreement)
-    config = load_config(None, [f"model.start={start}"])
+    config = load_config(None, [f"model.start={start}", f"target.kind={target}"])
     plan = before_last_round(starting_net(config.model).eval(), FrameStore(toy, config), range(toy.length))
-    if agreement is None or start == "random":
+    if agreement is None or not teaches:
         assert plan.taught == 0.0
     else:
         assert plan.taught == pytest.approx(
@@ -148,6 +149,13 @@ def test_the_online_learner_has_a_map_before_its_first_frame():
     net = starting_net(ModelConfig()).eval()
     expected = EncodedImage(net, view.image).samples().mean(axis=0)
     np.testing.assert_allclose(OnlineLearner(Config(), seed=3).predict(view).p_above, expected, atol=1e-5)
+
+
+def test_asking_the_simulated_worlds_net_draws_no_random_number():
+    before = torch.get_rng_state()
+    assert simulated_net(ModelConfig()) is not None
+    assert simulated_net(ModelConfig(channels=8)) is None
+    assert torch.equal(torch.get_rng_state(), before)
 
 
 @pytest.mark.slow

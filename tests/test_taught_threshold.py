@@ -8,6 +8,7 @@ from sklearn.metrics import roc_curve
 from toy import write_toy_set
 
 from horizon_dl.cli import main
+from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.schemas.metrics import Metrics
 from horizon_dl.uncertainty.taught_threshold import OBSTACLE, taught_threshold
 
@@ -29,7 +30,22 @@ def test_a_teacher_that_knows_one_kind_gives_none():
     assert taught_threshold([(np.array([0.3, 0.5]), np.array([0.9, 0.8]))]) is None
     assert taught_threshold([(np.array([0.3, 0.5]), np.array([0.0, 0.1]))]) is None
     assert taught_threshold([]) is None
+    upside_down = np.linspace(0, 1, 101)
+    assert taught_threshold([(upside_down, 1 - upside_down)]) is None
+    assert taught_threshold([(np.full(4, 0.5), np.array([0.0, 0.1, 0.8, 0.9]))]) is None
     assert taught_threshold([(np.full(3, np.nan), np.array([0.0, 0.9, 0.5]))]) is None
+
+
+def test_an_accumulator_keeps_it_like_the_papers():
+    found = MethodAccumulator(threshold=0.25, simulated_threshold=0.5)
+    again, joined = MethodAccumulator(), MethodAccumulator()
+    again.load(found.state())
+    joined.merge(found)
+    joined.merge(MethodAccumulator(threshold=0.75))
+    for one in (again, joined):
+        assert (one.threshold, one.simulated_threshold) == (0.25, 0.5)
+    again.load(MethodAccumulator().state())
+    assert (again.threshold, again.simulated_threshold) == (None, None)
 
 
 FEW = ["--train.rounds", "[3, 3]", "--train.batch", "2", "--train.crop", "32"]

@@ -76,9 +76,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     print(f"wrote {arguments.out}; next: horizon-dl evaluate {arguments.out} {arguments.data} --out DIR")
     told = (
         "frames",
+        "start",
         "train_s",
         "threshold",
         "threshold_rule",
+        "simulated_threshold",
         "skipped",
         "self_assessment",
         "path_agreement",
@@ -100,8 +102,10 @@ def _show(folder: Path, trained: "Run", recording: "Recording") -> None:
         return
     predictor = RunPredictor(trained)
     part = recording.select(evenly(range(recording.length), MOST_SHOWN))
+    start = ", from a start taught in simulated worlds" if trained.info["start"] == "simulated" else ""
     lead = (
-        f"The net was trained on {trained.info['frames']} frames of {recording.name}, without any label. The "
+        f"The net was trained on {trained.info['frames']} frames of {recording.name}, without any label of "
+        f"them{start}. The "
         f"frames below are of those that it was trained on: what it is worth elsewhere, `evaluate` says."
     )
     if predictor.doubt:

@@ -62,7 +62,8 @@ def evaluate(
     thresholds, band_rad = {learner: run.threshold}, run.config.labels.band_rad
     found = accumulate(bar, thresholds, band_rad, watch, {learner: run.place})
     found[learner].train_s = float(run.info.get("train_s", 0.0))
-    found[learner].simulated_threshold = run.info.get("simulated_threshold")
+    if isinstance(run, Run):
+        found[learner].simulated_threshold = run.info.get("simulated_threshold")
     accumulators = {name: [accumulator] for name, accumulator in found.items()}
     rule = run.info["threshold_rule"]
     metrics = {

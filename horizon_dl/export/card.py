@@ -80,6 +80,7 @@ def make_card(run: Run, camera: Camera) -> dict[str, Any]:
     config, info = run.config, run.info
     net = {
         **config.model.model_dump(mode="json"),
+        "start": info.get("start"),
         "parameters": parameter_count(run.net),
         "sampling": SAMPLES,
     }

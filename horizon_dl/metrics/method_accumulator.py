@@ -16,7 +16,8 @@ from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.obstacle_map import without_lone_pixels
 
 Rates = tuple[float | None, float | None]
-SCALARS = ("threshold", "right_sides", "sides", "frames", "predict_s", "train_s")
+THRESHOLDS = ("threshold", "simulated_threshold")
+SUMS = ("right_sides", "sides", "frames", "predict_s", "train_s")
 ROCS, OTHERS = "rocs", "others"
 
 
@@ -138,8 +139,9 @@ class MethodAccumulator:
         self.calibration.merge(other.calibration)
         self.raw.merge(other.raw)
         self.filtered.merge(other.filtered)
-        self.threshold = other.threshold if self.threshold is None else self.threshold
-        for name in SCALARS[1:]:
+        for name in THRESHOLDS:
+            setattr(self, name, getattr(other if getattr(self, name) is None else self, name))
+        for name in SUMS:
             setattr(self, name, getattr(self, name) + getattr(other, name))
 
     def compute(self) -> MethodFigures:
@@ -165,15 +167,18 @@ class MethodAccumulator:
             for kind, by_score in {ROCS: self.rocs, **others}.items()
             for name, roc in by_score.items()
         }
-        scalars = {name: np.array(getattr(self, name)) for name in SCALARS if name != "threshold"}
-        threshold = np.array(np.nan if self.threshold is None else self.threshold)
-        return {**scalars, "threshold": threshold, **joined_states({**self._counts(), **rocs})}
+        sums = {name: np.array(getattr(self, name)) for name in SUMS}
+        known = {name: getattr(self, name) for name in THRESHOLDS}
+        thresholds = {name: np.array(np.nan if one is None else one) for name, one in known.items()}
+        return {**sums, **thresholds, **joined_states({**self._counts(), **rocs})}
 
     def load(self, state: State) -> None:
         """See `Metric`."""
-        for name in SCALARS:
+        for name in SUMS:
             setattr(self, name, state[name].item())
-        self.threshold = None if self.threshold != self.threshold else self.threshold
+        for name in THRESHOLDS:
+            value = state[name].item()
+            setattr(self, name, None if np.isnan(value) else value)
         for name, metric in self._counts().items():
             metric.load(part_of(state, name))
         self.rocs = _rocs_of(part_of(state, ROCS))

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import torch
 from safetensors.torch import load_file
 
 from horizon_dl.config import ModelConfig
@@ -15,14 +16,26 @@ The net was taught floor against everything else in rendered rooms and yards, wh
 renderer: no picture of a real camera and no label by hand took part.
 """
 
+OWN = ("masks", "head_weights")
+"""What is not in the file: every net draws or decides it by itself."""
+
 
 def starting_net(config: ModelConfig) -> HorizonFCN:
     """A net to be trained, with the weights that `config.start` names; see `starts_simulated`."""
     net = build_net(config)
     if starts_simulated(config):
         # Its masks and the heads' shares are its own: they depend on the config and on the recording.
-        net.load_state_dict(load_file(SIMULATED), strict=False)
+        own = {name: net.state_dict()[name] for name in OWN}
+        net.load_state_dict({**load_file(SIMULATED), **own})
     return net
+
+
+def simulated_net(config: ModelConfig) -> HorizonFCN | None:
+    """The net of the simulated worlds as it is, to be asked; None where a net does not start from it."""
+    if not starts_simulated(config):
+        return None
+    with torch.random.fork_rng(devices=[]):
+        return starting_net(config).eval()
 
 
 def starts_simulated(config: ModelConfig) -> bool:

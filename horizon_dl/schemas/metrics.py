@@ -21,7 +21,7 @@ class ScoreFigures(Part):
 
 
 class OperatingPoint(Part):
-    """A threshold in bits, and the rates there before and after the neighbour filter."""
+    """A threshold in bits, and the rates there; the paper's also `_filtered`, after the neighbour filter."""
 
     threshold: Figure
     tpr: Figure

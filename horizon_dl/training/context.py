@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.config import TrainConfig
+from horizon_dl.config import Config, TrainConfig
 from horizon_dl.data.view import View
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.start import starts_simulated
 from horizon_dl.targets.agreement import mean_agreement, path_agreement
+from horizon_dl.targets.targets import LEARNING
 from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 
@@ -34,11 +35,11 @@ bands .769 to .777); on sixteen simulated worlds, on which they were not picked,
 
 
 @dataclass(frozen=True)
-class LastRound:
-    """What the last round learns from.
+class RoundPlan:
+    """What a round learns from.
 
     Attributes:
-        settings: its crops.
+        settings: with its batch, crops and pieces.
         taught: share of the simulated worlds' net in the targets below the horizon, in [0, 1].
     """
 
@@ -69,7 +70,7 @@ def share_of_deepest(agreement: float) -> float:
     return min(max((agreement - NO_CONTEXT) / (ALL_CONTEXT - NO_CONTEXT), 0.0), 1.0)
 
 
-def before_last_round(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> LastRound:
+def before_last_round(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> RoundPlan:
     """Decide by a net's agreement what the last round learns from.
 
     Args:
@@ -80,15 +81,20 @@ def before_last_round(net: HorizonFCN, store: FrameStore, indices: Sequence[int]
     train = store.config.train
     agreement = agreement_of(all_depths(net), store, indices) if _is_to_be_asked(train) else None
     if agreement is None:
-        return LastRound(train)
+        return RoundPlan(train)
     if agreement < train.context_agreement:
         share = share_of_deepest(agreement)
         net.weigh_deepest(share)
-        taught = train.simulated_share if starts_simulated(store.config.model) else 0.0
-        return LastRound(train, taught * (1.0 - share))
+        taught = train.simulated_share if _has_a_teacher(store.config) else 0.0
+        return RoundPlan(train, taught * (1.0 - share))
     net.weigh_deepest(1.0)
     changed = {"batch": train.context_batch, "crop": train.context_crop, "pastes": 0}
-    return LastRound(train.model_copy(update=changed))
+    return RoundPlan(train.model_copy(update=changed))
+
+
+def _has_a_teacher(config: Config) -> bool:
+    """Only targets that follow a net have one: hard labels stay hard."""
+    return config.target.kind in LEARNING and starts_simulated(config.model)
 
 
 def _is_to_be_asked(train: TrainConfig) -> bool:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.models.start import starting_net, starts_simulated
+from horizon_dl.models.start import simulated_net
 from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.measures import binary_entropy
@@ -28,9 +28,9 @@ def entropy_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]
 
 def simulated_threshold(net: HorizonFCN, store: FrameStore, indices: Sequence[int]) -> float | None:
     """See `taught_threshold`, bits: the teacher is the net of the simulated worlds; None without it."""
-    if not starts_simulated(store.config.model):
+    teacher, band_rad = simulated_net(store.config.model), store.config.labels.band_rad
+    if teacher is None:
         return None
-    teacher, band_rad = starting_net(store.config.model).eval(), store.config.labels.band_rad
 
     def frames() -> Iterator[tuple[NDArray[np.float32], NDArray[np.float32]]]:
         for view in store.views(evenly(indices, MOST_FRAMES)):

@@ -19,10 +19,10 @@ from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.models.start import start_of, starting_net
+from horizon_dl.models.start import simulated_net, start_of, starting_net
 from horizon_dl.progress import show_progress
 from horizon_dl.quiet import quiet_logger
-from horizon_dl.training.context import LastRound, agreement_of, all_depths, before_last_round
+from horizon_dl.training.context import RoundPlan, agreement_of, all_depths, before_last_round
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evenly import evenly
@@ -56,12 +56,13 @@ def train_net(
     The targets of the first round follow the edges of the images alone; those of every further round also
     what the net has learned so far, its edges and where it is surest. What it took for one surface in most
     frames then is one in the frames where shade or a reflection cuts it. Before the last round is decided
-    whether it learns from context, see `context`.
+    whether it learns from context, and how far its targets follow the simulated worlds' net; see `context`.
 
     Args:
         store: where the frames come from.
         indices: which of them.
-        seed: of weights, crops and dropout; the same seed on the same machine gives the same net.
+        seed: of crops and dropout, and of weights that start at random; the same seed on the same machine
+            gives the same net.
         log_dir: folder that the config's logger writes to, or None.
         progress: show progress bars.
         keeper: writes checkpoints, and knows whether to go on from one; None: none are written.
@@ -117,7 +118,7 @@ def _train_round(
     # A copy: targets that are made while the net is trained are those of the round's beginning.
     guide = copy.deepcopy(net).eval() if number else None
     last = number == len(config.train.rounds) - 1
-    plan = before_last_round(net, store, indices) if last else LastRound(config.train)
+    plan = before_last_round(net, store, indices) if last else RoundPlan(config.train)
     pool = FramePool(
         store,
         indices,
@@ -167,7 +168,8 @@ def _frame_maker(
     config: Config, guide: HorizonFCN | None, taught: float, keeper: TrainingKeeper | None
 ) -> Callable[[View], TrainingFrame]:
     guided = None if guide is None else guide_of(guide)
-    teacher = Teacher(guide_of(starting_net(config.model).eval()), taught) if taught else None
+    simulated = simulated_net(config.model) if taught else None
+    teacher = None if simulated is None else Teacher(guide_of(simulated), taught)
 
     def make(view: View) -> TrainingFrame:
         if keeper is not None:

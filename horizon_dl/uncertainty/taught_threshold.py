@@ -23,7 +23,7 @@ def taught_threshold(frames: Iterable[tuple[NDArray[np.floating], NDArray[np.flo
             probabilities of an obstacle there.
 
     Returns:
-        bits, to 1/4096; None where the teacher knows one kind alone.
+        bits, to 1/4096; None where the teacher knows one kind alone, or no entropy parts them.
 
     Example:
         >>> taught_threshold([(np.array([0.1, 0.2, 0.6, 0.9]), np.array([0.0, 0.1, 0.8, 0.9]))])
@@ -40,4 +40,5 @@ def taught_threshold(frames: Iterable[tuple[NDArray[np.floating], NDArray[np.flo
         return None
     # Rates of what lies at or over each bin; its lower edge is the threshold.
     over = [np.cumsum(kind[::-1])[::-1] / kind.sum() for kind in (obstacle, floor)]
-    return float(np.argmax(over[0] - over[1]) / BINS)
+    gain = over[0] - over[1]
+    return float(np.argmax(gain) / BINS) if gain.max() > 0.0 else None
