@@ -54,6 +54,7 @@ VARIANTS = {
     "start alone": Variant(("train.simulated_share=0",)),
     "context never": Variant(("train.context_agreement=2",)),
     "context always": Variant(("train.context_agreement=-1",)),
+    "context from .65": Variant(("train.context_agreement=0.65",)),
     "no pastes": Variant(("train.pastes=0",)),
     "six pastes": Variant(("train.pastes=6",)),
     "plain path costs": Variant(PLAIN),
@@ -71,12 +72,10 @@ Figures = dict[str, dict[str, list[Pair]]]
 
 def main() -> None:
     """Train, score, print."""
-    folder = Path(os.environ.get("HORIZON_DL_DATA", "."))
-    sets = [*set_names(), *(name for name in FURTHER_SETS if (folder / name).is_dir())]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--out", type=Path, required=True, help="folder for nets and figures")
     parser.add_argument("--seeds", type=int, default=3, help="how many, from 0 on")
-    parser.add_argument("--sets", nargs="+", default=sets, help="names of the sets")
+    parser.add_argument("--sets", nargs="+", default=all_sets(), help="names of the sets")
     parser.add_argument("--variants", nargs="+", default=list(VARIANTS), choices=list(VARIANTS))
     parser.add_argument("--score", default="entropy", help="a score of the net")
     parser.add_argument("--worlds", type=int, default=0, help="simulated worlds of each kind")
@@ -90,6 +89,12 @@ def main() -> None:
         for variant in args.variants
     }
     print(markdown(figures))
+
+
+def all_sets() -> list[str]:
+    """The embedded set, and all real ones that lie below HORIZON_DL_DATA."""
+    folder = Path(os.environ.get("HORIZON_DL_DATA", "."))
+    return [*set_names(), *(name for name in FURTHER_SETS if (folder / name).is_dir())]
 
 
 def measured(out: Path, variant: str, name: str, seed: int) -> dict[str, Pair]:

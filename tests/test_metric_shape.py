@@ -75,7 +75,10 @@ METRICS: dict[str, tuple[Callable[[], Any], Callable[..., None]]] = {
     "block": (RangingBlock, update_ranging),
     "sides": (RunningSides, lambda m, one, _: m.update(one["score"], one["angle"], 0.02)),
     "threshold": (lambda: PaperThreshold(25.0), lambda m, one, _: m.update(one["score"], one["angle"] < 0)),
-    "assessment": (SelfAssessment, lambda m, one, _: m.update(one["score"], one["angle"])),
+    "assessment": (
+        SelfAssessment,
+        lambda m, one, _: m.update(one["score"], one["score"] ** 2, one["angle"]),
+    ),
 }
 
 

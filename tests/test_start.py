@@ -153,8 +153,7 @@ def test_the_online_learner_has_a_map_before_its_first_frame():
 
 def test_asking_the_simulated_worlds_net_draws_no_random_number():
     before = torch.get_rng_state()
-    assert simulated_net(ModelConfig()) is not None
-    assert simulated_net(ModelConfig(channels=8)) is None
+    simulated_net()
     assert torch.equal(torch.get_rng_state(), before)
 
 

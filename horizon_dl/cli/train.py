@@ -73,7 +73,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if doubt is not None:
         print(f"the net says of itself: {doubt}")
     print(f"look at {arguments.out / 'index.html'}")
-    print(f"wrote {arguments.out}; next: horizon-dl evaluate {arguments.out} {arguments.data} --out DIR")
+    verb = "evaluate" if any(header.labelled for header in recording.headers) else "predict"
+    print(f"wrote {arguments.out}; next: horizon-dl {verb} {arguments.out} {arguments.data} --out DIR")
     told = (
         "frames",
         "start",

@@ -53,7 +53,7 @@ class MethodAccumulator:
         other_rocs: of other pixels than those, by their name and by score: `above`, `crossing`, `low`.
         calibration: of `p_above`, outside the ignore band.
         threshold: the paper's, of the entropy, bits; None for methods without one.
-        simulated_threshold: another one, see `taught_threshold`.
+        simulated_threshold: another one, see `TaughtThreshold`.
     """
 
     rocs: dict[str, RocAccumulator] = field(default_factory=dict)

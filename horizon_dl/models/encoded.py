@@ -39,6 +39,13 @@ class EncodedImage:
         return _probabilities(self._net.sample_logits(self._features), self._size)
 
     @torch.inference_mode()
+    def p_above(self) -> Map:
+        """Mean of the samples, (h, w) in [0, 1]: enlarged once, as that is the mean of the enlarged ones."""
+        mean = self._net.sample_logits(self._features).sigmoid().mean(dim=1, keepdim=True)
+        found: Map = enlarge(mean, (self._size[0], self._size[1]))[0, 0].numpy()
+        return found
+
+    @torch.inference_mode()
     def single_pass(self) -> Map:
         """`p_above` without dropout, (1, h, w) in [0, 1]."""
         return _probabilities(self._net.judge(self._features), self._size)
@@ -46,20 +53,11 @@ class EncodedImage:
     @torch.inference_mode()
     def of_all_depths(self, size: tuple[int, ...] | None = None) -> Map:
         """Mean of the probabilities that the heads at all depths give, without dropout, (h, w) in [0, 1]."""
-        mean: Map = self._of_depths(size or self._size).mean(axis=0)
-        return mean
-
-    @torch.inference_mode()
-    def of_least_depth(self) -> Map:
-        """The probabilities that the head with the smallest field of view gives, without dropout, (h, w)."""
-        found: Map = self._of_depths(self._size)[0]
-        return found
-
-    def _of_depths(self, size: tuple[int, ...]) -> Map:
         heads = self._net.heads()
         parts = self._features.chunk(len(heads), dim=1)
         logits = torch.cat([head.classifier(part) for head, part in zip(heads, parts, strict=True)], dim=1)
-        return _probabilities(logits, size)
+        mean: Map = _probabilities(logits, size or self._size).mean(axis=0)
+        return mean
 
     @torch.inference_mode()
     def measures(self, above: NDArray[np.bool_]) -> Measures:

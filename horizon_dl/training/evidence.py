@@ -11,6 +11,7 @@ from horizon_dl.evidence.place import Place, PlaceCalibration
 from horizon_dl.evidence.self_assessment import SelfAssessment
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
+from horizon_dl.models.start import simulated_net
 
 EVIDENCE_FRAMES = 100
 
@@ -37,10 +38,11 @@ def training_evidence(net: HorizonFCN, views: Iterable[View], config: Config) ->
         the `deep_share` of the prediction.
     """
     calibration, assessment = PlaceCalibration(config.evidence, config.contact), SelfAssessment()
+    simulated = simulated_net()
     for view in views:
-        encoded = EncodedImage(net, view.image)
-        calibration.add(view.image, view.elevation, encoded.samples().mean(axis=0))
-        assessment.update(encoded.of_least_depth(), view.elevation)
+        p_above = EncodedImage(net, view.image).p_above()
+        calibration.add(view.image, view.elevation, p_above)
+        assessment.update(p_above, EncodedImage(simulated, view.image).of_all_depths(), view.elevation)
     place = calibration.place()
     card = None if place is None else place.to_card()
     return {

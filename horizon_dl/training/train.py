@@ -34,7 +34,7 @@ from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
 from horizon_dl.training.run_folder import Run
 from horizon_dl.training.several_processes import process_number
-from horizon_dl.training.thresholds import entropy_threshold, simulated_threshold
+from horizon_dl.training.thresholds import thresholds_of
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
 AfterRound = Callable[[HorizonFCN, FrameStore, int, Logger], None]
@@ -168,8 +168,7 @@ def _frame_maker(
     config: Config, guide: HorizonFCN | None, taught: float, keeper: TrainingKeeper | None
 ) -> Callable[[View], TrainingFrame]:
     guided = None if guide is None else guide_of(guide)
-    simulated = simulated_net(config.model) if taught else None
-    teacher = None if simulated is None else Teacher(guide_of(simulated), taught)
+    teacher = Teacher(guide_of(simulated_net()), taught) if taught else None
 
     def make(view: View) -> TrainingFrame:
         if keeper is not None:
@@ -265,6 +264,7 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
     """A net trained on all frames of a recording, with its threshold and what is known of its training."""
     recording, config = store.recording, store.config
     indices = range(recording.length)
+    thresholds = thresholds_of(net, store, indices)
     info = {
         "data": recording.name,
         "format": recording.format,
@@ -273,9 +273,9 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "skipped": store.skipped,
         "start": start_of(config.model),
         "train_s": train_s,
-        "threshold": entropy_threshold(net, store, indices),
+        "threshold": thresholds.paper,
         "threshold_rule": PaperThreshold(config.threshold.percentile).rule,
-        "simulated_threshold": simulated_threshold(net, store, indices),
+        "simulated_threshold": thresholds.simulated,
         **evidence_of(net, store, indices),
     }
     return Run(net.eval(), config, info)

@@ -1,7 +1,5 @@
 """A threshold from what a teacher says of unlabelled pixels, in bounded memory."""
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,33 +10,42 @@ eight sets (docs/RESEARCH.md)."""
 RULE = "youden-simulated"
 
 
-def taught_threshold(frames: Iterable[tuple[NDArray[np.floating], NDArray[np.floating]]]) -> float | None:
+class TaughtThreshold:
     """The entropy that tells best what a teacher calls obstacle from what it calls floor.
 
     It has the largest true- less false-positive rate (Youden 1950) against the teacher's word. No label of
     the frames is used.
 
-    Args:
-        frames: entropies, bits in [0, 1], of a frame's pixels below the horizon, and the teacher's
-            probabilities of an obstacle there.
-
-    Returns:
-        bits, to 1/4096; None where the teacher knows one kind alone, or no entropy parts them.
+    Attributes:
+        counts: pixels by what they are called (floor, obstacle) and by bin of their entropy.
 
     Example:
-        >>> taught_threshold([(np.array([0.1, 0.2, 0.6, 0.9]), np.array([0.0, 0.1, 0.8, 0.9]))])
-        0.599853515625
+        >>> threshold = TaughtThreshold()
+        >>> threshold.update(np.array([0.125, 0.25, 0.5, 0.75]), np.array([0.0, 0.1, 0.8, 0.9]))
+        >>> threshold.compute()
+        0.5
     """
-    counts = np.zeros((2, BINS), np.int64)
-    for entropy, p_obstacle in frames:
+
+    def __init__(self) -> None:
+        self.counts = np.zeros((2, BINS), np.int64)
+
+    def update(self, entropy: NDArray[np.floating], p_obstacle: NDArray[np.floating]) -> None:
+        """Count pixels below the horizon.
+
+        Args:
+            entropy: (n,) bits in [0, 1]; NaN is left out.
+            p_obstacle: (n,) the teacher's probabilities.
+        """
         known = ~np.isnan(entropy)
         bins = np.minimum((entropy[known].clip(0.0, 1.0) * BINS).astype(int), BINS - 1)
-        for kind, chosen in enumerate((p_obstacle[known] < OBSTACLE, p_obstacle[known] >= OBSTACLE)):
-            counts[kind] += np.bincount(bins[chosen], minlength=BINS)
-    floor, obstacle = counts
-    if not floor.any() or not obstacle.any():
-        return None
-    # Rates of what lies at or over each bin; its lower edge is the threshold.
-    over = [np.cumsum(kind[::-1])[::-1] / kind.sum() for kind in (obstacle, floor)]
-    gain = over[0] - over[1]
-    return float(np.argmax(gain) / BINS) if gain.max() > 0.0 else None
+        np.add.at(self.counts, ((p_obstacle[known] >= OBSTACLE).astype(int), bins), 1)
+
+    def compute(self) -> float | None:
+        """Bits, to 1/4096; None where the teacher knows one kind alone, or no entropy parts them."""
+        floor, obstacle = self.counts
+        if not floor.any() or not obstacle.any():
+            return None
+        # Rates of what lies at or over each bin; its lower edge is the threshold.
+        over = [np.cumsum(kind[::-1])[::-1] / kind.sum() for kind in (obstacle, floor)]
+        gain = over[0] - over[1]
+        return float(np.argmax(gain) / BINS) if gain.max() > 0.0 else None

@@ -258,7 +258,7 @@ class OnlineLearner:
 def remembered_threshold(net: HorizonFCN, frames: Sequence[CompressedFrame], config: Config) -> float:
     """The paper's threshold, bits: a percentile of a net's entropies on remembered frames."""
     entropies = (
-        (binary_entropy(EncodedImage(net, frame.image).samples().mean(axis=0)), frame.valid_mask)
+        (binary_entropy(EncodedImage(net, frame.image).p_above()), frame.valid_mask)
         for frame in map(unpack, frames)
     )
     return paper_threshold(entropies, config.threshold.percentile)
