@@ -43,9 +43,8 @@ def main() -> None:
     print(format_markdown(["set", "contradicted", "verdict", "AUC within bands"], rows))
     for what, found in (("sets", sets), ("sets and worlds", sets | simulated)):
         if len(found) > 2:
-            print(
-                f"rank correlation over {len(found)} {what}: {spearmanr(*zip(*found.values())).statistic:.2f}"
-            )
+            correlation = spearmanr(list(found.values())).statistic
+            print(f"rank correlation over {len(found)} {what}: {correlation:.2f}")
     if args.plot:
         draw({"recorded and embedded sets": sets, "simulated worlds": simulated}, args.plot)
 
