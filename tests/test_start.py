@@ -151,10 +151,24 @@ def test_the_online_learner_has_a_map_before_its_first_frame():
     np.testing.assert_allclose(OnlineLearner(Config(), seed=3).predict(view).p_above, expected, atol=1e-5)
 
 
-def test_asking_the_simulated_worlds_net_draws_no_random_number():
+def test_the_simulated_worlds_net_is_the_start_made_without_a_random_number(monkeypatch):
+    """Not drawn and put back either: another thread may be learning meanwhile."""
+
+    def fail(*_, **__):
+        raise AssertionError("the random state was set")
+
+    start = starting_net(ModelConfig()).eval()
     before = torch.get_rng_state()
-    simulated_net()
+    with monkeypatch.context() as patch:
+        patch.setattr(torch, "set_rng_state", fail)
+        patch.setattr(torch.random, "set_rng_state", fail)
+        net = simulated_net()
     assert torch.equal(torch.get_rng_state(), before)
+    for (name, tensor), expected in zip(net.state_dict().items(), start.state_dict().values(), strict=True):
+        assert torch.equal(tensor, expected), name
+    image = np.random.default_rng(0).integers(0, 256, (64, 96, 3), dtype=np.uint8)
+    asked = [EncodedImage(one, image).of_all_depths() for one in (net, start)]
+    np.testing.assert_array_equal(*asked)
 
 
 @pytest.mark.slow

@@ -57,7 +57,7 @@ class HorizonFCN(nn.Module):
         self.shallow = nn.ModuleList(Head(count, width, dropout) for count in channels[:-1])
         self.deep = Head(channels[-1], width, dropout)
         self.register_buffer("masks", balanced_masks(samples, width * len(channels), dropout))
-        self.register_buffer("head_weights", torch.full((len(channels),), 1.0 / len(channels)))
+        self.register_buffer("head_weights", torch.full((len(channels),), 1.0 / len(channels), device="cpu"))
 
     def weigh_deepest(self, share: float) -> None:
         """Give the deepest head a share of the prediction, in [0, 1]; the rest goes to the others alike."""
@@ -125,7 +125,7 @@ def balanced_masks(samples: int, features: int, rate: float) -> Tensor:
     """
     dropped = min(round(rate * samples), samples - 1)
     generator = torch.Generator().manual_seed(MASK_SEED)
-    order = torch.rand(samples, features, generator=generator).argsort(dim=0)
+    order = torch.rand(samples, features, generator=generator, device="cpu").argsort(dim=0)
     return (order >= dropped).float() * (samples / (samples - dropped))
 
 

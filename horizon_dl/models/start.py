@@ -31,9 +31,16 @@ def starting_net(config: ModelConfig) -> HorizonFCN:
 
 
 def simulated_net() -> HorizonFCN:
-    """The net of the simulated worlds as it is, to be asked what it calls an obstacle."""
-    with torch.random.fork_rng(devices=[]):
-        return starting_net(ModelConfig()).eval()
+    """The net of the simulated worlds as it is, to be asked what it calls an obstacle.
+
+    It is made without a random number, not even one put back: an online run exports in a thread of its own,
+    and the random numbers of torch belong to all threads.
+    """
+    with torch.device("meta"):
+        net = build_net(ModelConfig())
+    own = {name: net.state_dict()[name] for name in OWN}
+    net.load_state_dict({**load_file(SIMULATED), **own}, assign=True)
+    return net.to(memory_format=torch.channels_last).eval()
 
 
 def starts_simulated(config: ModelConfig) -> bool:
