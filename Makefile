@@ -32,7 +32,7 @@ lint: $(STAMP)
 	$(BIN)/lint-imports
 
 test: lint
-	$(BIN)/pytest -q
+	$(BIN)/pytest -q $(if $(ALL),-m "")
 
 # Lines of the rooms that a vehicle depends on, and of the figures.
 coverage: $(STAMP)

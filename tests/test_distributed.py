@@ -43,6 +43,7 @@ def train(data: Path, out: Path, *options: str) -> tuple[dict[str, np.ndarray], 
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_two_processes_are_one_with_the_doubled_batch(tmp_path):
     data = write_toy_set(tmp_path / "toy")
     one, losses_of_one = train(data, tmp_path / "one", "--train.batch", "4")

@@ -121,6 +121,7 @@ def test_leaves_as_onnx(forest):
 # Entropy, pooled AUC below the horizon, of the method's published features on these sets: a forest that falls
 # short of it would be an easy rival.
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.real_data
 @pytest.mark.parametrize(
     ("folder", "max_pixels", "least", "most"),

@@ -79,6 +79,7 @@ def learn_and_die(data: Path, out: Path, started, point: str, count: int) -> Non
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_killed_again_and_again_a_run_equals_one_that_was_not(toy, whole, tmp_path):
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["horizon_dl.online.run", "pytest"])

@@ -16,7 +16,7 @@ FOREST_AUC = {
 }
 MARGIN = 0.03  # of one seed on any machine; the means of three seeds are 0.05 and more apart
 
-pytestmark = [pytest.mark.slow, pytest.mark.real_data]
+pytestmark = [pytest.mark.slow, pytest.mark.long, pytest.mark.real_data]
 
 
 def scores(folder) -> dict:

@@ -6,7 +6,7 @@ import pytest
 
 from horizon_dl.cli import main
 
-pytestmark = [pytest.mark.slow, pytest.mark.real_data]
+pytestmark = [pytest.mark.slow, pytest.mark.long, pytest.mark.real_data]
 
 
 @pytest.mark.parametrize("name", ["arena", "hallway"])  # the others have many more labelled frames

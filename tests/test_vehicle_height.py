@@ -153,6 +153,7 @@ def test_what_is_no_height_is_one_line(text: str, verb: str, capsys: Any) -> Non
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_figures_of_what_is_in_the_way(tmp_path: Path) -> None:
     model = Path(__file__).parent.parent / "exports" / "reference" / "model.onnx"
     arguments = ["evaluate", str(model), str(embedded_set()), "--vehicle-height", "0.3,0.2"]

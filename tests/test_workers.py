@@ -60,6 +60,7 @@ def test_a_cluster_gives_the_same_figures_to_the_last_digit(cluster, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("protocol", ["labelled-out", "prequential"])
 def test_seeds_in_processes_beside_give_the_same_figures(tmp_path, protocol):
     data = write_toy_set(tmp_path / "toy")
