@@ -36,7 +36,7 @@ from horizon_dl.training.crops import TrainingFrame, draw_batch
 from horizon_dl.training.loss import horizon_loss
 
 FIRST_SEED = 300
-KINDS = ("clutter", "outdoor")
+KINDS = ("clutter", "hallway", "outdoor")
 FLIGHT_FRAMES, FIRST_FRAME, EVERY = 120, 6, 15
 JPEG_QUALITY = 90
 SIZES = ((320, 240), (320, 240), (224, 168), (176, 132))
