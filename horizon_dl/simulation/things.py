@@ -1,4 +1,4 @@
-"""Things of cluttered rooms and of yards, many of them lower than a camera: drawn by a seed.
+"""Things of cluttered rooms, hallways, yards and streets, many of them lower than a camera: drawn by a seed.
 
 Each function gives a `Solid` at the origin; its parts reach no further than its outline.
 """
