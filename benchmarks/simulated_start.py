@@ -1,9 +1,10 @@
 """Teaches the small net in simulated worlds what floor is: the weights that training starts from.
 
-`python benchmarks/simulated_start.py --frames FOLDER` renders rooms full of furniture and yards, each of
-another seed, into a folder, trains the default net on the renderer's labels (floor against everything else)
-and writes `horizon_dl/models/simulated_start.safetensors`. The arena's kind of world takes no part, as the
-embedded set is one; nor do the seeds under 100, on which the defaults are tried. Light, colours, shade,
+`python benchmarks/simulated_start.py --frames FOLDER` renders rooms full of furniture,
+hallways, yards and streets, each of another seed, into a folder, trains the default net on the renderer's
+labels (floor against everything else) and writes `horizon_dl/models/simulated_start.safetensors`: 20 and 25
+minutes on a core. The arena's kind of world takes no part, as the embedded set is one; nor do the seeds under
+100, on which the defaults are tried. Light, colours, shade,
 sharpness and noise of the crops are drawn at random, so that the net learns what real pictures share
 (domain randomisation, Tobin et al. 2017, arXiv:1703.06907). Where the software renderer crashes, after some
 hundred worlds, start it again: it goes on.
@@ -36,7 +37,7 @@ from horizon_dl.training.crops import TrainingFrame, draw_batch
 from horizon_dl.training.loss import horizon_loss
 
 FIRST_SEED = 300
-KINDS = ("clutter", "outdoor")
+KINDS = ("clutter", "hallway", "outdoor", "street")
 FLIGHT_FRAMES, FIRST_FRAME, EVERY = 120, 6, 15
 JPEG_QUALITY = 90
 SIZES = ((320, 240), (320, 240), (224, 168), (176, 132))
@@ -50,7 +51,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--frames", type=Path, required=True, help="folder for the rendered frames")
     parser.add_argument("--worlds", type=int, default=100, help="of each kind")
-    parser.add_argument("--steps", type=int, default=4000)
+    parser.add_argument("--steps", type=int, default=6000)
     parser.add_argument("--out", type=Path, default=SIMULATED)
     args = parser.parse_args()
     net = taught(list(training_frames(args.frames, args.worlds)), args.steps)

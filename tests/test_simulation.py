@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,19 +17,20 @@ from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation import rendering
 from horizon_dl.simulation import simulate as simulate_module
 from horizon_dl.simulation.embedded import DEPTH_EVERY, FRAMES, SEED, embedded_set
+from horizon_dl.simulation.faces import Face
 from horizon_dl.simulation.flight import CLEARANCE_M, RATE_HZ, fitting_flight
 from horizon_dl.simulation.kinds import KINDS
-from horizon_dl.simulation.layout import Arena, at_a_wall
+from horizon_dl.simulation.layout import Arena, at_a_wall, beside_the_way
 from horizon_dl.simulation.noise import value_noise
 from horizon_dl.simulation.pose import optical_axes
 from horizon_dl.simulation.rig import DRONE
-from horizon_dl.simulation.scene import Face, Scene
+from horizon_dl.simulation.scene import Scene, build_scene
 from horizon_dl.simulation.sensor import GAMMA, TARGET, AutoExposure, develop
 from horizon_dl.simulation.shots import Conditions, Shot, draw_flight, render_flight
 from horizon_dl.simulation.simulate import simulate
 from horizon_dl.simulation.solid import Part, Solid
-from horizon_dl.simulation.things import shelf
-from horizon_dl.simulation.worlds import AT_WALLS, INDOORS, OUTDOORS, WORLDS
+from horizon_dl.simulation.things import car, hedge, shelf
+from horizon_dl.simulation.worlds import AT_WALLS, IN_A_HALLWAY, INDOORS, ON_A_PAVEMENT, OUTDOORS, WORLDS
 
 LOOKING_NORTH = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # columns right (east), down, forward
 YARD = Arena(12.0, 12.0, 3.0, True, ("green", "blue", "grey"), ())
@@ -269,7 +271,10 @@ def test_tilt_goes_with_acceleration() -> None:
     assert np.abs(np.diff(yaw)).max() * RATE_HZ < np.deg2rad(250)  # no jumps
 
 
-@pytest.mark.parametrize("draw", sorted({draw for _, draw in (*AT_WALLS, *INDOORS, *OUTDOORS)}, key=str))
+DRAWS = (*AT_WALLS, *INDOORS, *IN_A_HALLWAY, *OUTDOORS, *ON_A_PAVEMENT)
+
+
+@pytest.mark.parametrize("draw", sorted({draw for _, draw in DRAWS}, key=str))
 def test_parts_of_things_lie_within_their_outline(draw: Callable[[np.random.Generator], Solid]) -> None:
     """A flight keeps clear of outlines alone; but one flies under the crowns of trees."""
     for seed in range(20):
@@ -321,6 +326,40 @@ def test_furniture_stands_with_its_back_at_a_wall() -> None:
     assert len(sides) == 4
 
 
+def test_what_stands_beside_a_street_leaves_the_way_free() -> None:
+    """Longer sides along it, both sides of it, nothing in anything else."""
+    rng, sides = np.random.default_rng(0), set()
+    for _ in range(30):
+        for draw in (hedge, car):
+            solid = beside_the_way(rng, draw(rng), YARD, 1.5)
+            assert solid is not None
+            assert abs(abs(solid.y) - 4.5) < 1e-9
+            longest = 1j * (solid.half_y > solid.half_x) + (solid.half_x >= solid.half_y)
+            assert abs((longest * np.exp(1j * solid.turn_rad)).imag) < 1e-9
+            sides.add(bool(solid.y > 0))
+    assert sides == {False, True}
+    full = replace(YARD, solids=(replace(car(rng), half_x=6.0, half_y=6.0),))
+    assert beside_the_way(rng, hedge(rng), full, 1.5) is None
+
+
+def test_a_floor_that_shines_shows_what_stands_on_it_and_stays_floor(gl: None) -> None:
+    """A red box in a white hallway: its mirror image is red below its foot, the label there is floor."""
+    box = Solid("box", 3.0, 0.0, 0.0, 0.5, 0.5, 1.0, "orange")
+    hall = Arena(10.0, 6.0, 3.0, False, ("grey", "grey", "grey"), (box,), "lino")
+    found = {}
+    for shine in (0.0, 0.5):
+        scene = build_scene(np.random.default_rng(0), replace(hall, shine=shine))
+        with rendering.SceneRenderer(scene, 160, 120, 100.0) as renderer:
+            place, axes = np.array((0.0, 0.0, 0.8)), LOOKING_NORTH
+            found[shine] = (renderer.colour(place, axes).astype(float), renderer.truth(place, axes)[0])
+    np.testing.assert_array_equal(found[0.0][1], found[0.5][1])
+    foot = 60 + round(0.8 / 2.5 * 100)
+    below = np.s_[foot + 2 : foot + 8, 76:84]
+    assert (found[0.5][1][below] == Truth.FLOOR).all()
+    red = {shine: (image[below][..., 0] - image[below][..., 2]).mean() for shine, (image, _) in found.items()}
+    assert red[0.5] > red[0.0] + 15
+
+
 @pytest.mark.parametrize("world", [name for name in WORLDS if name != "arena"])
 def test_other_worlds_agree_with_the_geometry_too(world: str, gl: None, tmp_path: Path) -> None:
     """Depth, labels, camera file with its own lens and mount, attitude and the project's own geometry."""
@@ -348,7 +387,7 @@ def test_every_kind_of_world_has_its_words() -> None:
 
 
 def test_a_world_that_there_is_not(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no world 'moon'.*arena, clutter, outdoor"):
+    with pytest.raises(InputError, match=r"no world 'moon'.*arena, clutter, hallway, outdoor, street"):
         simulate(tmp_path / "set", frames=3, seed=0, world="moon")
     assert not list(tmp_path.iterdir())
 

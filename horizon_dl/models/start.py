@@ -12,8 +12,8 @@ from horizon_dl.models.fcn import HorizonFCN
 SIMULATED = Path(__file__).with_name("simulated_start.safetensors")
 """Weights and batch statistics of the small net, written by `benchmarks/simulated_start.py`.
 
-The net was taught floor against everything else in rendered rooms and yards, whose labels come from the
-renderer: no picture of a real camera and no label by hand took part.
+The net was taught floor against everything else in rendered rooms, hallways, yards and streets, whose labels
+come from the renderer: no picture of a real camera and no label by hand took part.
 """
 
 OWN = ("masks", "head_weights")

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.simulation.layout import Arena
+from horizon_dl.simulation.layout import PAVEMENT_SHARE, Arena
 from horizon_dl.simulation.noise import fractal_noise, value_noise
 from horizon_dl.simulation.surfaces import PALETTE, Texture, shade, to_texture
 
@@ -165,6 +165,21 @@ def _path(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
     return np.where(on_it[..., None], _paving(rng, arena, x, y), _grass(rng, arena, x, y)).astype(np.float32)
 
 
+def _street(rng: np.random.Generator, arena: Arena, x: Grid, y: Grid) -> Picture:
+    """Asphalt with patches and perhaps a broken line, kerbs, and slabs or grass on both sides."""
+    road = _gravel(rng, arena, x, y) * rng.uniform(0.6, 1.1)
+    for _ in range(int(rng.integers(0, 6))):
+        centre, half = rng.uniform(-0.5, 0.5, 2) * (arena.length_m, arena.width_m), rng.uniform(0.4, 2.0, 2)
+        road[(np.abs(x - centre[0]) < half[0]) & (np.abs(y - centre[1]) < half[1])] *= rng.uniform(0.7, 1.2)
+    if rng.random() < 0.5:
+        road[(np.abs(y) < 0.07) & ((x / rng.uniform(2.0, 5.0)) % 1 < 0.5)] = 0.75
+    kerb = np.abs(y) - (0.5 - PAVEMENT_SHARE) * arena.width_m
+    side = _paving(rng, arena, x, y) if rng.random() < 0.7 else _grass(rng, arena, x, y)
+    picture = np.where((kerb > 0)[..., None], side, road).astype(np.float32)
+    picture[np.abs(kerb) < 0.08] = PALETTE["grey"]
+    return picture
+
+
 GROUNDS: dict[str, Callable[[np.random.Generator, Arena, Grid, Grid], Picture]] = {
     "carpets": _carpeted,
     "lino": _lino,
@@ -174,6 +189,7 @@ GROUNDS: dict[str, Callable[[np.random.Generator, Arena, Grid, Grid], Picture]] 
     "gravel": _gravel,
     "paving": _paving,
     "path": _path,
+    "street": _street,
 }
 
 

@@ -11,6 +11,8 @@ from horizon_dl.simulation.surfaces import PALETTE
 
 GAP_M = 1.5  # between any two solids, and from a solid to a wall: the flight has to fit through
 
+PAVEMENT_SHARE = 0.18  # of a street's width, on each side
+BESIDE_GAP_M = 0.3  # between things beside a street
 WALL_GAP_M = 0.05  # from furniture to the wall that it stands at
 FLOOR_COLOURS = ("green", "blue", "charcoal", "grey", "beige", "brown")
 
@@ -28,6 +30,8 @@ class Arena:
         solids: what stands on the floor.
         ground: name of the floor's material, see `floor`.
         sun_rad: azimuth (from x towards y) and height of the sun, which casts shadows; None: lamps.
+        door_every_m: the long walls are of one material, with doors at this distance; None: of stretches.
+        shine: share of the light that the floor reflects as a mirror, in [0, 1).
     """
 
     length_m: float
@@ -38,6 +42,8 @@ class Arena:
     solids: tuple[Solid, ...]
     ground: str = "carpets"
     sun_rad: tuple[float, float] | None = None
+    door_every_m: float | None = None
+    shine: float = 0.0
 
     def clearance(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Horizontal distance in metres of points (N, 2) to the nearest wall or solid; negative outside."""
@@ -87,6 +93,18 @@ def at_a_wall(rng: np.random.Generator, solid: Solid, arena: Arena) -> Solid | N
         apart = [float(other.distance(spot[None])[0]) - solid.reach_m for other in arena.solids]
         if min(apart, default=np.inf) > 2 * WALL_GAP_M:
             return replace(solid, x=float(spot[0]), y=float(spot[1]), turn_rad=float(inwards))
+    return None
+
+
+def beside_the_way(rng: np.random.Generator, solid: Solid, arena: Arena, from_wall_m: float) -> Solid | None:
+    """The solid at a distance from a long wall, its longer side along it; None if there is no room."""
+    half = arena.length_m / 2 - solid.reach_m - WALL_GAP_M
+    for _ in range(60):
+        spot = np.array((rng.uniform(-half, half), rng.choice((-1, 1)) * (arena.width_m / 2 - from_wall_m)))
+        apart = [float(other.distance(spot[None])[0]) - solid.reach_m for other in arena.solids]
+        if min(apart, default=np.inf) > BESIDE_GAP_M:
+            turn = float(np.pi * (rng.integers(2) + 0.5 * (solid.half_y > solid.half_x)))
+            return replace(solid, x=float(spot[0]), y=float(spot[1]), turn_rad=turn)
     return None
 
 

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Sequence
 
-from horizon_dl.simulation.scene import Face, Scene, Tube
+from horizon_dl.simulation.faces import Face, Tube
+from horizon_dl.simulation.scene import FLOOR, Scene
 
 LAMPS = 3  # indoors the first one casts shadows
 
@@ -36,7 +37,8 @@ def _assets(scene: Scene) -> list[str]:
     for index, texture in enumerate(scene.textures):
         height, width = texture.shape[:2]
         lines.append(f'<texture name="t{index}" type="2d" builtin="flat" width="{width}" height="{height}"/>')
-        lines.append(f'<material name="m{index}" texture="t{index}" specular="0" shininess="0"/>')
+        shine = f' reflectance="{scene.arena.shine:.3g}"' if index == FLOOR and scene.arena.shine else ""
+        lines.append(f'<material name="m{index}" texture="t{index}" specular="0" shininess="0"{shine}/>')
     return lines
 
 

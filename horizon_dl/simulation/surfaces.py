@@ -1,6 +1,6 @@
 """Procedural textures of walls, curtains, boxes and panels; each is a picture of one whole face."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,3 +141,14 @@ SURFACES: dict[str, tuple[Painter, ...]] = {
     "plain": (plain,),
     "leaves": (leaves,),
 }
+
+
+def painted(
+    rng: np.random.Generator, painters: Sequence[Painter], colour: str, size: tuple[int, int]
+) -> Texture:
+    """One of the surfaces in a tint of a colour, (h, w) = size, darker towards one end."""
+    painter = painters[int(rng.integers(len(painters)))]
+    tint = np.asarray(PALETTE[colour]) * rng.uniform(0.8, 1.2)
+    picture = painter(rng, (float(tint[0]), float(tint[1]), float(tint[2])), *size)
+    gradient = np.linspace(rng.uniform(0.9, 1.15), rng.uniform(0.7, 1.0), size[0], dtype=np.float32)
+    return to_texture(picture * gradient[:, None, None])

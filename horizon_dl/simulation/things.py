@@ -1,4 +1,4 @@
-"""Things of cluttered rooms and of yards, many of them lower than a camera: drawn by a seed.
+"""Things of cluttered rooms, hallways, yards and streets, many of them lower than a camera: drawn by a seed.
 
 Each function gives a `Solid` at the origin; its parts reach no further than its outline.
 """
@@ -109,6 +109,59 @@ def low_boxes(rng: Rng) -> Solid:
     return _thing("low boxes", parts)
 
 
+def chairs(rng: Rng) -> Solid:
+    """One to four chairs in a row; their backs are at -x."""
+    count, state = int(rng.integers(1, 5)), int(rng.integers(2**32))
+    alike = [
+        _chair_parts(np.random.default_rng(state), 0.0, (i - (count - 1) / 2) * 0.55) for i in range(count)
+    ]
+    return _thing("chairs", [part for parts in alike for part in parts])
+
+
+def cabinet(rng: Rng) -> Solid:
+    """A closed cabinet, locker, radiator or copier."""
+    size = (float(rng.uniform(0.1, 0.35)), float(rng.uniform(0.25, 0.9)), float(rng.uniform(0.5, 2.1)))
+    return _thing("cabinet", [Part(0.0, 0.0, size[0], size[1], 0.0, size[2], _colour(rng), "plain")])
+
+
+def trolley(rng: Rng) -> Solid:
+    """A trolley, or a bed on wheels: a frame with a board or two, and what lies on it; its side is at -x."""
+    half_x, half_y = float(rng.uniform(0.22, 0.45)), float(rng.uniform(0.35, 1.0))
+    top, colour = float(rng.uniform(0.5, 0.95)), _colour(rng, "white", "grey", "blue", "charcoal")
+    corners = [(i * (half_x - 0.04), j * (half_y - 0.04)) for i in (-1, 1) for j in (-1, 1)]
+    thick = float(rng.uniform(0.03, 0.2))
+    parts = [Part(0.0, 0.0, half_x, half_y, top - thick, top, colour, "plain")]
+    parts += [_leg(x, y, top - thick) for x, y in corners]
+    if rng.random() < 0.5:
+        parts.append(Part(0.0, 0.0, half_x - 0.03, half_y - 0.03, 0.18, 0.22, colour, "plain"))
+    for end in (-1, 1)[: int(rng.integers(0, 3))]:
+        high = top + float(rng.uniform(0.15, 0.5))
+        parts.append(Part(0.0, end * (half_y - 0.02), half_x, 0.02, top - 0.1, high, _colour(rng), "plain"))
+    if rng.random() < 0.6:
+        tall, side = float(rng.uniform(0.05, 0.3)), float(rng.uniform(0.3, 0.9))
+        parts.append(Part(0.0, 0.0, half_x * side, half_y * side, top, top + tall, _colour(rng)))
+    return _thing("trolley", parts)
+
+
+def open_door(rng: Rng) -> Solid:
+    """The leaf of a door that stands open into the way."""
+    half, colour = float(rng.uniform(0.35, 0.5)), _colour(rng)
+    return _thing("open door", [Part(0.0, 0.0, half, 0.025, 0.0, 2.05, colour, "plain")])
+
+
+def pillar(rng: Rng) -> Solid:
+    """A part of the wall that juts out, to above every camera."""
+    size = (float(rng.uniform(0.1, 0.3)), float(rng.uniform(0.15, 0.5)))
+    colour = _colour(rng, "white", "beige", "grey")
+    return _thing("pillar", [Part(0.0, 0.0, size[0], size[1], 0.0, 3.4, colour, "plain")])
+
+
+def bin_(rng: Rng) -> Solid:
+    """A bin, a fire extinguisher or a flower pot."""
+    radius, height = float(rng.uniform(0.08, 0.25)), float(rng.uniform(0.3, 0.8))
+    return Solid("pole", 0.0, 0.0, 0.0, radius, radius, height, _colour(rng))
+
+
 def tree(rng: Rng) -> Solid:
     """A trunk and a crown over the camera."""
     trunk, crown = float(rng.uniform(0.08, 0.25)), float(rng.uniform(0.7, 1.6))
@@ -154,6 +207,21 @@ def car(rng: Rng) -> Solid:
             Part(0.0, 0.0, half_x, half_y, 0.22, waist, colour, "plain"),
             Part(-0.1, 0.0, half_x * 0.5, half_y - 0.1, waist, roof, "charcoal", "plain"),
             *(Part(x, y, 0.31, 0.1, 0.0, 0.6, "charcoal", "plain") for x, y in wheels),
+        ],
+    )
+
+
+def person(rng: Rng) -> Solid:
+    """Somebody who stands or walks."""
+    tall, stride = float(rng.uniform(1.1, 1.9)), float(rng.uniform(0.0, 0.2))
+    hip, neck, coat = 0.48 * tall, 0.84 * tall, _colour(rng)
+    legs = _colour(rng, "charcoal", "blue", "brown", "grey")
+    return _thing(
+        "person",
+        [
+            *(Part(i * stride, i * 0.09, 0.07, 0.07, 0.0, hip + 0.05, legs, "round") for i in (-1, 1)),
+            Part(0.0, 0.0, 0.11, 0.21, hip, neck, coat, "plain"),
+            Part(0.0, 0.0, 0.09, 0.09, neck, tall, _colour(rng, "beige", "brown", "charcoal"), "round"),
         ],
     )
 

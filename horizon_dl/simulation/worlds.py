@@ -1,4 +1,4 @@
-"""Worlds to simulate: the arena, a cluttered room, a yard under the sun; each seed is another one."""
+"""Worlds to simulate: halls, rooms, hallways, yards and streets; each seed is another one."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -6,7 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from horizon_dl.simulation import things
-from horizon_dl.simulation.layout import FLOOR_COLOURS, Arena, at_a_wall, draw_arena, placed, with_solid
+from horizon_dl.simulation.layout import (
+    FLOOR_COLOURS,
+    PAVEMENT_SHARE,
+    Arena,
+    at_a_wall,
+    beside_the_way,
+    draw_arena,
+    placed,
+    with_solid,
+)
 from horizon_dl.simulation.rig import DRONE, Rig, draw_rig
 from horizon_dl.simulation.solid import Solid
 
@@ -31,6 +40,16 @@ class World:
 
 AT_WALLS: Draws = ((5, things.shelf), (3, things.workplace), (1, things.stairs), (2, things.low_boxes))
 INDOORS: Draws = ((3, things.workplace), (3, things.chair), (3, things.low_boxes), (1, things.stairs))
+IN_A_HALLWAY: Draws = (
+    (4, things.cabinet),
+    (3, things.chairs),
+    (3, things.trolley),
+    (2, things.pillar),
+    (2, things.open_door),
+    (3, things.bin_),
+    (2, things.shelf),
+    (2, things.low_boxes),
+)
 OUTDOORS: Draws = (
     (3, things.car),
     (5, things.tree),
@@ -41,6 +60,18 @@ OUTDOORS: Draws = (
     (2, things.low_boxes),
     (1, things.stairs),
 )
+ON_A_PAVEMENT: Draws = (
+    (5, things.tree),
+    (5, things.person),
+    (4, things.post),
+    (3, things.bin_),
+    (2, things.hedge),
+    (2, things.bench),
+    (2, things.bush),
+    (2, things.low_boxes),
+)
+PARKED, CROSSING = 9, 2
+"""The most cars at the kerbs, and the most people on the road."""
 
 
 def draw_clutter(rng: Rng) -> Arena:
@@ -51,11 +82,38 @@ def draw_clutter(rng: Rng) -> Arena:
     return _furnished(rng, arena, INDOORS)
 
 
+def draw_hallway(rng: Rng) -> Arena:
+    """A hallway of 14 to 28 m by 3.6 to 5.5 m whose things stand at its walls; most floors shine."""
+    hallway = _empty(rng, (14, 28), (3.6, 5.5), (2.4, 3.2), ("lino", "lino", "tiles", "boards", "carpets"))
+    shine = float(rng.uniform(0.03, 0.35)) if rng.random() < 0.75 else 0.0
+    arena = replace(hallway, door_every_m=float(rng.uniform(2.2, 5.0)), shine=shine)
+    for solid in _drawn(rng, IN_A_HALLWAY):
+        arena = with_solid(arena, at_a_wall(rng, solid, arena))
+    return arena
+
+
 def draw_outdoors(rng: Rng) -> Arena:
     """A yard, car park or garden of 18 to 28 m between house walls: grass, gravel or paving, and shadows."""
     yard = _empty(rng, (18, 28), (18, 28), (3.5, 7.0), ("grass", "gravel", "paving", "path"))
-    sun_rad = (float(rng.uniform(0, 2 * np.pi)), float(np.deg2rad(rng.uniform(20, 65))))
-    return _furnished(rng, replace(yard, open_sky=True, sun_rad=sun_rad), OUTDOORS)
+    return _furnished(rng, replace(yard, open_sky=True, sun_rad=_sun(rng)), OUTDOORS)
+
+
+def draw_street(rng: Rng) -> Arena:
+    """A street of 28 to 45 m by 12 to 17 m between house walls; its cars stand at the kerb."""
+    empty = _empty(rng, (28, 45), (12, 17), (3.0, 8.0), ("street",))
+    street = replace(empty, open_sky=True, sun_rad=_sun(rng))
+    pavement_m = PAVEMENT_SHARE * street.width_m
+    for _ in range(int(rng.integers(2, PARKED + 1))):
+        car = things.car(rng)
+        street = with_solid(street, beside_the_way(rng, car, street, pavement_m + car.half_y + 0.1))
+    for solid in _drawn(rng, ON_A_PAVEMENT):
+        from_wall_m = float(rng.uniform(min(solid.half_x, solid.half_y) + 0.1, pavement_m))
+        street = with_solid(street, beside_the_way(rng, solid, street, from_wall_m))
+    return _furnished(rng, street, ((CROSSING, things.person),))
+
+
+def _sun(rng: Rng) -> tuple[float, float]:
+    return (float(rng.uniform(0, 2 * np.pi)), float(np.deg2rad(rng.uniform(20, 65))))
 
 
 def _empty(rng: Rng, length: Range, width: Range, wall: Range, grounds: Sequence[str]) -> Arena:
@@ -89,5 +147,7 @@ def _drone(_: Rng) -> Rig:
 WORLDS = {
     "arena": World(draw_arena, _drone),
     "clutter": World(draw_clutter, draw_rig),
+    "hallway": World(draw_hallway, draw_rig),
     "outdoor": World(draw_outdoors, draw_rig),
+    "street": World(draw_street, draw_rig),
 }
