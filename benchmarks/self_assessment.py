@@ -41,7 +41,8 @@ def main() -> None:
         for name, (share, auc) in (sets | simulated).items()
     ]
     print(format_markdown(["set", "contradicted", "verdict", "AUC within bands"], rows))
-    for what, found in (("sets", sets), ("sets and worlds", sets | simulated)):
+    groups = {"sets": sets} | ({"sets and worlds": sets | simulated} if simulated else {})
+    for what, found in groups.items():
         if len(found) > 2:
             correlation = spearmanr(list(found.values())).statistic
             print(f"rank correlation over {len(found)} {what}: {correlation:.2f}")
