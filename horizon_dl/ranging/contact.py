@@ -25,7 +25,7 @@ class ContactDetectorParams:
     All but `certain_p` and `distance_sd` were picked together among some 500 rules on the distances of
     embedded, corridor and KITTI, the sets that the distances are reported on, `distance_sd` by how often the
     truth lies within two of them there: less is to be expected elsewhere; see docs/RESEARCH.md. `rise` was
-    picked again, among five, with the nets that start in hallways and streets, too.
+    picked again, among six, with the nets that start in hallways and streets, too.
 
     Attributes:
         floor_percentile: of the frame's cells below the horizon: the frame's own floor level.
@@ -41,7 +41,7 @@ class ContactDetectorParams:
 
     floor_percentile: float = setting(9.0, 0.0, 50.0)
     floor_margin: float = setting(0.0, -5.0, 5.0)
-    rise: float = setting(0.6, 0.01, 5.0)
+    rise: float = setting(0.5, 0.01, 5.0)
     certain_p: float = setting(0.35, 0.05, 0.95)
     alarm_rad: float = angle_deg(1.0, 0.01, 45.0)
     prior_rad: float = angle_deg(10.0, 0.01, 90.0)
