@@ -4,8 +4,7 @@ What never crosses the horizon (a desk, a car) may look like floor to a net that
 alone, and then it is as sure of it as of the floor. The net of the simulated worlds (`models/start.py`) never
 saw the recording and knows what stands on a floor: the share of the pixels below the horizon that the one is
 sure are floor and the other calls an obstacle is what may be missed. Over eight sets, three seeds each, its
-rank correlation with the AUC within depression bands is -.90, over these and six simulated worlds -.68
-(docs/RESEARCH.md).
+rank correlation with the AUC within depression bands is -.83 (docs/RESEARCH.md).
 """
 
 from collections.abc import Mapping
@@ -18,9 +17,9 @@ SURE_BELOW, OBSTACLE = 0.3, 0.5
 """`p_above` under which a net is sure of the floor, and the other's probability over which it is one of an
 obstacle. Picked with the number itself, one of 21, on eight sets."""
 DOUBTFUL, NOT_TO_BE_TRUSTED = 0.16, 0.24
-"""Picked on the same eight sets. Share (AUC within): arena .08 (.98), embedded .09 (.97), corridor .13 (.96),
-hallway .14 (.90); KITTI .19 (.90); icl_office_kt3 .28 (.19), room .39 (.79), tum_fr1_rpy .55 (.80). Scored on
-six simulated worlds it is under .15 in all, though one of them has .81."""
+"""Picked on the same eight sets with nets of an earlier start. Share (AUC within) with today's: arena .07 (.98),
+embedded .08 (.97), hallway .09 (.91), corridor .10 (.97); KITTI .16 (.89); icl_office_kt3 .28 (.17), room .32
+(.84), tum_fr1_rpy .48 (.87)."""
 WORDS = {
     "ok": "",
     "doubtful": "low obstacles and shade may be missed",
