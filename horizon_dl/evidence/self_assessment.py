@@ -17,9 +17,9 @@ SURE_BELOW, OBSTACLE = 0.3, 0.5
 """`p_above` under which a net is sure of the floor, and the other's probability over which it is one of an
 obstacle. Picked with the number itself, one of 21, on eight sets."""
 DOUBTFUL, NOT_TO_BE_TRUSTED = 0.16, 0.24
-"""Picked on the same eight sets with nets of an earlier start. Share (AUC within) with today's: arena .07 (.98),
-embedded .08 (.97), hallway .09 (.91), corridor .10 (.97); KITTI .16 (.89); icl_office_kt3 .28 (.17), room .32
-(.84), tum_fr1_rpy .48 (.87)."""
+"""Picked on the same eight sets with nets of an earlier start. Share (AUC within) with today's: arena .07
+(.98), embedded .08 (.97), hallway .09 (.91), corridor .10 (.97); KITTI .16 (.89); icl_office_kt3 .28 (.17),
+room .32 (.84), tum_fr1_rpy .48 (.87)."""
 WORDS = {
     "ok": "",
     "doubtful": "low obstacles and shade may be missed",
