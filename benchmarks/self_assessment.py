@@ -70,10 +70,10 @@ def draw(groups: dict[str, dict[str, tuple[float, float]]], path: Path) -> None:
             axes.annotate(Path(name).name, place, xytext=(4, 4), textcoords="offset points", fontsize=7)
     for limit, word in ((DOUBTFUL, "doubtful"), (NOT_TO_BE_TRUSTED, "not to be trusted")):
         axes.axvline(limit, color="grey", linewidth=0.8)
-        axes.annotate(word, (limit, 0.15), xytext=(3, 0), textcoords="offset points", rotation=90, fontsize=7)
+        axes.annotate(word, (limit, 0.45), xytext=(3, 0), textcoords="offset points", rotation=90, fontsize=7)
     axes.set_xlabel("share of the ground that is sure floor to the net and contradicted")
     axes.set_ylabel("AUC of the entropy within depression bands")
-    axes.legend(loc="lower left", fontsize=8)
+    axes.legend(loc="lower right", fontsize=8)
     figure.savefig(path, bbox_inches="tight")
 
 
