@@ -73,7 +73,7 @@ def draw(groups: dict[str, dict[str, tuple[float, float]]], path: Path) -> None:
         axes.annotate(word, (limit, 0.45), xytext=(3, 0), textcoords="offset points", rotation=90, fontsize=7)
     axes.set_xlabel("share of the ground that is sure floor to the net and contradicted")
     axes.set_ylabel("AUC of the entropy within depression bands")
-    axes.legend(loc="lower right", fontsize=8)
+    axes.legend(loc="center right", fontsize=8)
     figure.savefig(path, bbox_inches="tight")
 
 
