@@ -343,7 +343,7 @@ def test_what_stands_beside_a_street_leaves_the_way_free() -> None:
 
 
 def test_a_floor_that_shines_shows_what_stands_on_it_and_stays_floor(gl: None) -> None:
-    """A red box in a white hallway: its mirror image is red below its foot, the label there is floor."""
+    """An orange box: its mirror image below its foot is orange, too, and the label there is floor."""
     box = Solid("box", 3.0, 0.0, 0.0, 0.5, 0.5, 1.0, "orange")
     hall = Arena(10.0, 6.0, 3.0, False, ("grey", "grey", "grey"), (box,), "lino")
     found = {}

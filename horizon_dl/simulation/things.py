@@ -156,7 +156,7 @@ def pillar(rng: Rng) -> Solid:
     return _thing("pillar", [Part(0.0, 0.0, size[0], size[1], 0.0, 3.4, colour, "plain")])
 
 
-def bin_(rng: Rng) -> Solid:
+def waste_bin(rng: Rng) -> Solid:
     """A bin, a fire extinguisher or a flower pot."""
     radius, height = float(rng.uniform(0.08, 0.25)), float(rng.uniform(0.3, 0.8))
     return Solid("pole", 0.0, 0.0, 0.0, radius, radius, height, _colour(rng))

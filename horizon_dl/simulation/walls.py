@@ -57,14 +57,14 @@ def _hallway(rng: np.random.Generator, arena: Arena, textures: list[Texture]) ->
     for side in range(4):
         turn = side * np.pi / 2
         long = side % 2 == 1
-        out, half = (arena.width_m, arena.length_m) if long else (arena.length_m, arena.width_m)
-        out, half = out / 2, half / 2
+        out = (arena.width_m if long else arena.length_m) / 2
+        half = (arena.length_m if long else arena.width_m) / 2
         c, s = float(np.cos(turn)), float(np.sin(turn))
         yield upright((c * out, s * out, arena.wall_m / 2), turn + np.pi, (half, arena.wall_m / 2), first)
         board = (c * (out - 0.01), s * (out - 0.01), SKIRTING_M / 2)
         yield upright(board, turn + np.pi, (half, SKIRTING_M / 2), first + 1)
-        places = np.arange(rng.uniform(0.6, arena.door_every_m) - half, half - 0.6, arena.door_every_m)
-        for along in places if long else rng.uniform(-0.3, 0.3, 1) * half:
+        doors = np.arange(rng.uniform(0.6, arena.door_every_m) - half, half - 0.6, arena.door_every_m)
+        for along in doors if long else rng.uniform(-0.3, 0.3, 1) * half:
             place = (c * (out - 0.02) - s * along, s * (out - 0.02) + c * along, 1.05)
             yield upright(place, turn + np.pi, (float(rng.uniform(0.4, 0.6)), 1.05), first + 2)
         if rng.random() < 0.7:

@@ -46,7 +46,7 @@ IN_A_HALLWAY: Draws = (
     (3, things.trolley),
     (2, things.pillar),
     (2, things.open_door),
-    (3, things.bin_),
+    (3, things.waste_bin),
     (2, things.shelf),
     (2, things.low_boxes),
 )
@@ -64,7 +64,7 @@ ON_A_PAVEMENT: Draws = (
     (5, things.tree),
     (5, things.person),
     (4, things.post),
-    (3, things.bin_),
+    (3, things.waste_bin),
     (2, things.hedge),
     (2, things.bench),
     (2, things.bush),
