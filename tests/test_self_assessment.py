@@ -1,13 +1,16 @@
 """What a net says of itself without labels."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 from small_run import small_run, toy_set
+from toy import write_toy_set
 
 from horizon_dl.cli import main
-from horizon_dl.evidence.self_assessment import OBSTACLE, SURE_BELOW, SelfAssessment, said, verdict
+from horizon_dl.evidence.self_assessment import OBSTACLE, SURE_BELOW, WORDS, SelfAssessment, said, verdict
 from horizon_dl.training.run_folder import save_run
 
 
@@ -70,3 +73,32 @@ def test_who_looks_at_predictions_reads_it_too(share, told, tmp_path, capsys) ->
         line = "the net says of itself: doubtful here: on 20% of the ground"
         assert (line in capsys.readouterr().out) == told
         assert (line[1:] in (out / "index.html").read_text()) == told
+
+
+@pytest.mark.parametrize(("quick", "told"), [(False, False), (True, True)])
+def test_check_data_trains_a_quick_net_where_asked(quick, told, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("horizon_dl.training.quick.ROUNDS", (2, 2))
+    monkeypatch.setattr("horizon_dl.training.quick.FRAMES", 5)
+    data = write_toy_set(tmp_path / "set", frames=30)
+    assert main(["check-data", str(data), "--json", *(["--quick-train"] if quick else [])]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert ("self_assessment" in found) == told
+    if told:
+        assert found["self_assessment"]["verdict"] in WORDS
+        assert (
+            0.0 <= found["self_assessment"]["contradicted"] <= found["self_assessment"]["sure_below"] <= 1.0
+        )
+
+
+def test_what_cannot_work_is_not_trained_on(tmp_path, monkeypatch, capsys):
+    def fail(*_, **__):
+        raise AssertionError("trained")
+
+    monkeypatch.setattr("horizon_dl.training.quick.train_run", fail)
+    data = write_toy_set(tmp_path / "set", frames=30)
+    camera = yaml.safe_load((data / "camera.yaml").read_text())
+    (data / "camera.yaml").write_text(yaml.safe_dump(camera | {"mount_rpy_deg": [0, -80, 0]}))
+    assert main(["check-data", str(data), "--json", "--quick-train"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["level"] == "problem"
+    assert "self_assessment" not in found

@@ -2,14 +2,19 @@
 
 horizon-dl check-data DATA
 horizon-dl check-data DATA --out DIR      also writes check.json, horizon overlays and index.html
+horizon-dl check-data DATA --quick-train  also trains a net for a minute and hears what it says of itself
 """
 
 import argparse
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.console import with_level
 from horizon_dl.cli.options import add_config, add_data, add_out, open_finding_axes, resolve_config
+
+if TYPE_CHECKING:
+    from horizon_dl.config import Config
+    from horizon_dl.data.source import Recording
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,6 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_data(parser)
     add_config(parser)
     add_out(parser, what="where to write overlays and the report", required=False)
+    parser.add_argument(
+        "--quick-train",
+        action="store_true",
+        help="also train a net for about a minute and say whether it is to be trusted here",
+    )
 
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -43,4 +53,17 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         with output_folder(arguments.out, "check-data", overwrite=arguments.overwrite) as folder:
             write_check(check, folder)
         print(f"wrote {arguments.out / 'index.html'}")
-    return check.to_json()
+    found = check.to_json()
+    if arguments.quick_train and check.level != "problem":
+        found["self_assessment"] = _quick_train(recording, config)
+    return found
+
+
+def _quick_train(recording: "Recording", config: "Config") -> dict[str, Any]:
+    """Train, and print what the net says of itself."""
+    from horizon_dl.evidence.self_assessment import said
+    from horizon_dl.training.quick import quick_assessment
+
+    assessment = quick_assessment(recording, config, progress=True)
+    print(f"a quickly trained net says of itself: {said(assessment) or 'ok here'}")
+    return assessment
