@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,20 @@ def gl() -> None:
             pass
     except InputError as error:
         pytest.skip(str(error))
+
+
+@pytest.mark.slow
+def test_torch_compiler_loads_after_rendering(gl: None) -> None:
+    if find_spec("triton") is None:
+        pytest.skip("this torch has no compiler")
+    code = (
+        "from horizon_dl.simulation.shots import Conditions, draw_flight, render_flight\n"
+        "from horizon_dl.simulation.worlds import WORLDS\n"
+        "scene, rig, flight = draw_flight(WORLDS['arena'], 1, 20)\n"
+        "next(iter(render_flight(scene, rig, flight, Conditions(seed=1, frames=20), (64, 48), only={6})))\n"
+        "import torch._dynamo\n"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
 def label_and_depth(name: str) -> tuple[np.ndarray, np.ndarray]:

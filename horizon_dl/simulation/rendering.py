@@ -1,7 +1,9 @@
 """Headless MuJoCo renderer of a scene: colour at any pose, and depth with labels in one pass."""
 
 import ctypes
+import importlib
 import os
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -45,6 +47,9 @@ def import_mujoco() -> Any:
         InputError: mujoco is not installed, or its OpenGL does not load.
     """
     os.environ["MUJOCO_GL"] = choose_backend()
+    # torch's compiler and Mesa's software renderer both bring LLVM: triton crashes where Mesa was there first.
+    with suppress(ImportError):
+        importlib.import_module("triton._C.libtriton")
     try:
         import mujoco
     except ModuleNotFoundError as error:
