@@ -11,6 +11,9 @@ from toy import write_toy_set
 
 from horizon_dl.cli import main
 from horizon_dl.evidence.self_assessment import OBSTACLE, SURE_BELOW, WORDS, SelfAssessment, said, verdict
+from horizon_dl.inspection.data_check import check_recording
+from horizon_dl.inspection.findings import with_findings
+from horizon_dl.readers.registry import open_recording
 from horizon_dl.training.run_folder import save_run
 
 
@@ -75,19 +78,28 @@ def test_who_looks_at_predictions_reads_it_too(share, told, tmp_path, capsys) ->
         assert (line[1:] in (out / "index.html").read_text()) == told
 
 
-@pytest.mark.parametrize(("quick", "told"), [(False, False), (True, True)])
-def test_check_data_trains_a_quick_net_where_asked(quick, told, tmp_path, monkeypatch, capsys):
+def test_check_data_trains_a_quick_net_where_asked(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("horizon_dl.training.quick.ROUNDS", (2, 2))
     monkeypatch.setattr("horizon_dl.training.quick.FRAMES", 5)
     data = write_toy_set(tmp_path / "set", frames=30)
-    assert main(["check-data", str(data), "--json", *(["--quick-train"] if quick else [])]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert ("self_assessment" in found) == told
-    if told:
-        assert found["self_assessment"]["verdict"] in WORDS
-        assert (
-            0.0 <= found["self_assessment"]["contradicted"] <= found["self_assessment"]["sure_below"] <= 1.0
-        )
+    assert main(["check-data", str(data), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["self_assessment"] is None
+    assert main(["check-data", str(data), "--json", "--quick-train", "--out", str(tmp_path / "out")]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    found = printed["self_assessment"]
+    assert found["verdict"] in WORDS
+    assert 0.0 <= found["contradicted"] <= found["sure_below"] <= 1.0
+    assert json.loads((tmp_path / "out" / "check.json").read_text())["self_assessment"] == found
+    assert "quickly trained net says of itself" in (tmp_path / "out" / "index.html").read_text()
+
+
+@pytest.mark.parametrize(("share", "level"), [(0.05, "ok"), (0.2, "warning"), (0.4, "warning")])
+def test_what_a_quick_net_says_is_a_finding(share, level):
+    check = check_recording(open_recording(toy_set()), band_rad=0.02, max_pixels=4800)
+    heard = with_findings(replace(check, self_assessment={"contradicted": share, "verdict": verdict(share)}))
+    (finding,) = set(heard.findings) - set(check.findings)
+    assert finding.level == level
+    assert ("not to be trusted" in heard.verdict) == (share > 0.24)
 
 
 def test_what_cannot_work_is_not_trained_on(tmp_path, monkeypatch, capsys):
@@ -101,4 +113,4 @@ def test_what_cannot_work_is_not_trained_on(tmp_path, monkeypatch, capsys):
     assert main(["check-data", str(data), "--json", "--quick-train"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["level"] == "problem"
-    assert "self_assessment" not in found
+    assert found["self_assessment"] is None

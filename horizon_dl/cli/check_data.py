@@ -7,6 +7,7 @@ horizon-dl check-data DATA --quick-train  also trains a net for a minute and hea
 
 import argparse
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.console import with_level
@@ -35,6 +36,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     config = resolve_config(arguments)
 
     from horizon_dl.inspection.data_check import check_recording
+    from horizon_dl.inspection.findings import with_findings
     from horizon_dl.output import output_folder
     from horizon_dl.reporting.check import check_lines, write_check
 
@@ -45,6 +47,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         orientation=True,
         progress=True,
     )
+    if arguments.quick_train and check.level != "problem":
+        check = with_findings(replace(check, self_assessment=_quick_train(recording, config)))
     if axes:
         print(axes)
     for line in check_lines(check):
@@ -53,17 +57,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         with output_folder(arguments.out, "check-data", overwrite=arguments.overwrite) as folder:
             write_check(check, folder)
         print(f"wrote {arguments.out / 'index.html'}")
-    found = check.to_json()
-    if arguments.quick_train and check.level != "problem":
-        found["self_assessment"] = _quick_train(recording, config)
-    return found
+    if arguments.quick_train and check.level == "problem":
+        print("no net was trained: this data cannot work")
+    return check.to_json()
 
 
 def _quick_train(recording: "Recording", config: "Config") -> dict[str, Any]:
-    """Train, and print what the net says of itself."""
-    from horizon_dl.evidence.self_assessment import said
+    """What a quickly trained net says of itself; learning is imported only where it is asked for."""
     from horizon_dl.training.quick import quick_assessment
 
-    assessment = quick_assessment(recording, config, progress=True)
-    print(f"a quickly trained net says of itself: {said(assessment) or 'ok here'}")
-    return assessment
+    return quick_assessment(recording, config, progress=True)

@@ -1,5 +1,6 @@
 """What a check of data found, as figures and words."""
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -24,6 +25,7 @@ class DataCheck:
         findings: the words, the verdict's reasons among them.
         verdict: one sentence; `level` is its level.
         clock: of the pictures against the log's, where there is a log.
+        self_assessment: of a quickly trained net, see `SelfAssessment.compute`, where one was trained.
         overlay_views: evenly spaced frames to draw the horizon on; not part of the JSON.
     """
 
@@ -47,6 +49,7 @@ class DataCheck:
     level: Level = "ok"
     verdict: str = ""
     clock: ClockFit | None = None
+    self_assessment: Mapping[str, Any] | None = None
     overlay_views: tuple[tuple[FrameHeader, View], ...] = field(default=(), repr=False)
 
     def to_json(self) -> dict[str, Any]:

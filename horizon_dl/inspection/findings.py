@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 from horizon_dl.data.doubt import Doubt
+from horizon_dl.evidence.self_assessment import said
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.finding import Finding, Level, verdict_of
 from horizon_dl.inspection.orientation_findings import convention_finding, mount_finding
@@ -312,6 +313,20 @@ def _notes(check: DataCheck) -> Iterator[Finding]:
         yield Finding(level, f"{note[:1].upper()}{note[1:].rstrip('.')}.")
 
 
+def _quick_net(check: DataCheck) -> Iterator[Finding]:
+    """What the net of `check-data --quick-train` says of itself."""
+    if check.self_assessment is None:
+        return
+    doubt = said(check.self_assessment)
+    if doubt is None:
+        yield Finding("ok", "A quickly trained net says of itself: ok here.")
+        return
+    grave = check.self_assessment["verdict"] == "not to be trusted"
+    hint = "Try `compare` on frames with truth before you rely on it; low obstacles are the usual reason."
+    reason = "what a quickly trained net learns here is not to be trusted" if grave else ""
+    yield Finding("warning", f"A quickly trained net says of itself: {doubt}.", hint, reason)
+
+
 RULES: tuple[Rule, ...] = (
     _counts,
     _missing_attitudes,
@@ -328,6 +343,7 @@ RULES: tuple[Rule, ...] = (
     _rays,
     _height,
     _truth,
+    _quick_net,
     _notes,
 )
 NOT_QUICK = (convention_finding, mount_finding, _motion, _height, _truth, _notes)

@@ -19,7 +19,7 @@ class FindingFields(Part):
 
 
 class Check(Versioned):
-    """The whole file; figures are null where nothing is known."""
+    """The whole file; figures are null where nothing is known, `self_assessment` without `--quick-train`."""
 
     FILE: ClassVar[str] = "check.json"
 
@@ -35,3 +35,4 @@ class Check(Versioned):
     findings: tuple[FindingFields, ...]
     level: Level
     verdict: str
+    self_assessment: dict[str, Any] | None = None

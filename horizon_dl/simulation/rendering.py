@@ -47,7 +47,7 @@ def import_mujoco() -> Any:
         InputError: mujoco is not installed, or its OpenGL does not load.
     """
     os.environ["MUJOCO_GL"] = choose_backend()
-    # torch's compiler and Mesa's software renderer both bring LLVM: triton crashes where Mesa was there first.
+    # torch's compiler and Mesa's software renderer both bring LLVM; triton crashes where Mesa was first.
     with suppress(ImportError):
         importlib.import_module("triton._C.libtriton")
     try:
