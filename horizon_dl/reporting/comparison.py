@@ -18,6 +18,7 @@ from horizon_dl.reporting.comparison_distances import distance_sections
 from horizon_dl.reporting.comparison_log import ComparisonLog
 from horizon_dl.reporting.conclusion import conclusion
 from horizon_dl.reporting.curves import roc_figure, save_figure
+from horizon_dl.reporting.heights import height_table
 from horizon_dl.reporting.html import report_html
 from horizon_dl.reporting.run_page import FILM, auc_chart, film_section, links_to
 from horizon_dl.reporting.sections import GLOSSARY, Browser, Heading, Links, Pairs, Section, Table, Text
@@ -54,6 +55,7 @@ def report_sections(
     sections += [Heading("Scores"), *_curves(comparison, log)]
     sections += [
         Table(HEADER, metrics_rows(metrics), "Obstacle against floor, below the horizon.", text_columns=2),
+        *([by_height] if (by_height := height_table(metrics)) else []),
         Table(
             METHOD_HEADER,
             method_rows(metrics),
