@@ -23,6 +23,7 @@ from horizon_dl.simulation.flight import CLEARANCE_M, RATE_HZ, fitting_flight
 from horizon_dl.simulation.kinds import KINDS
 from horizon_dl.simulation.layout import Arena, at_a_wall, beside_the_way
 from horizon_dl.simulation.noise import value_noise
+from horizon_dl.simulation.office import MUTED
 from horizon_dl.simulation.pose import optical_axes
 from horizon_dl.simulation.rig import DRONE
 from horizon_dl.simulation.scene import Scene, build_scene
@@ -30,8 +31,19 @@ from horizon_dl.simulation.sensor import GAMMA, TARGET, AutoExposure, develop
 from horizon_dl.simulation.shots import Conditions, Shot, draw_flight, render_flight
 from horizon_dl.simulation.simulate import simulate
 from horizon_dl.simulation.solid import Part, Solid
-from horizon_dl.simulation.things import car, hedge, shelf
-from horizon_dl.simulation.worlds import AT_WALLS, IN_A_HALLWAY, INDOORS, ON_A_PAVEMENT, OUTDOORS, WORLDS
+from horizon_dl.simulation.things import car, hedge, lorry, shelf
+from horizon_dl.simulation.walls import wall_faces
+from horizon_dl.simulation.worlds import (
+    ABOUT_AN_OFFICE,
+    AT_OFFICE_WALLS,
+    AT_WALLS,
+    IN_A_HALLWAY,
+    IN_AN_OFFICE,
+    INDOORS,
+    ON_A_PAVEMENT,
+    OUTDOORS,
+    WORLDS,
+)
 
 LOOKING_NORTH = np.array([[0.0, 0, 1], [-1, 0, 0], [0, -1, 0]])  # columns right (east), down, forward
 YARD = Arena(12.0, 12.0, 3.0, True, ("green", "blue", "grey"), ())
@@ -286,7 +298,8 @@ def test_tilt_goes_with_acceleration() -> None:
     assert np.abs(np.diff(yaw)).max() * RATE_HZ < np.deg2rad(250)  # no jumps
 
 
-DRAWS = (*AT_WALLS, *INDOORS, *IN_A_HALLWAY, *OUTDOORS, *ON_A_PAVEMENT)
+ROOMS = (*AT_WALLS, *INDOORS, *IN_A_HALLWAY, *AT_OFFICE_WALLS, *IN_AN_OFFICE, *ABOUT_AN_OFFICE)
+DRAWS = (*ROOMS, *OUTDOORS, *ON_A_PAVEMENT, (1, lorry))
 
 
 @pytest.mark.parametrize("draw", sorted({draw for _, draw in DRAWS}, key=str))
@@ -301,6 +314,22 @@ def test_parts_of_things_lie_within_their_outline(draw: Callable[[np.random.Gene
             if solid.kind != "tree" or part.low_m == 0:
                 assert abs(part.x) + part.half_x <= solid.half_x + 1e-9
                 assert abs(part.y) + part.half_y <= solid.half_y + 1e-9
+
+
+def test_an_office_is_crowded_and_white_grey_and_black() -> None:
+    rng = np.random.default_rng(0)
+    offices = [WORLDS["office"].draw(rng) for _ in range(8)]
+    desks = [sum(solid.kind.startswith("desk") for solid in office.solids) for office in offices]
+    colours = [part.colour for office in offices for solid in office.solids for part in solid.bodies]
+    assert min(desks) >= 1
+    assert np.mean(desks) > 2
+    assert np.mean([len(office.solids) for office in offices]) > 12
+    assert np.isin(colours, (*MUTED, "blue")).mean() > 0.7
+    for office in offices:
+        textures: list[np.ndarray] = []
+        list(wall_faces(rng, office, textures))
+        red, _, blue = textures[0].reshape(-1, 3).mean(axis=0)
+        assert abs(red - blue) < 0.4 * red  # white, grey or beige: no coloured wall
 
 
 @pytest.mark.parametrize("sun_deg", [12.0, 45.0])
@@ -402,7 +431,9 @@ def test_every_kind_of_world_has_its_words() -> None:
 
 
 def test_a_world_that_there_is_not(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"no world 'moon'.*arena, clutter, hallway, outdoor, street"):
+    with pytest.raises(
+        InputError, match=r"no world 'moon'.*arena, clutter, hallway, office, outdoor, street"
+    ):
         simulate(tmp_path / "set", frames=3, seed=0, world="moon")
     assert not list(tmp_path.iterdir())
 

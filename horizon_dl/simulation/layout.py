@@ -13,6 +13,7 @@ GAP_M = 1.5  # between any two solids, and from a solid to a wall: the flight ha
 
 PAVEMENT_SHARE = 0.18  # of a street's width, on each side
 BESIDE_GAP_M = 0.3  # between things beside a street
+CROWDED_GAP_M = 0.2  # from what stands about in an office to the furniture
 WALL_GAP_M = 0.05  # from furniture to the wall that it stands at
 FLOOR_COLOURS = ("green", "blue", "charcoal", "grey", "beige", "brown")
 
@@ -30,6 +31,7 @@ class Arena:
         solids: what stands on the floor.
         ground: name of the floor's material, see `floor`.
         sun_rad: azimuth (from x towards y) and height of the sun, which casts shadows; None: lamps.
+        wall_colours: of which the walls have one; empty: any.
         door_every_m: the long walls are of one material, with doors at this distance; None: of stretches.
         shine: share of the light that the floor reflects as a mirror, in [0, 1).
     """
@@ -42,6 +44,7 @@ class Arena:
     solids: tuple[Solid, ...]
     ground: str = "carpets"
     sun_rad: tuple[float, float] | None = None
+    wall_colours: tuple[str, ...] = ()
     door_every_m: float | None = None
     shine: float = 0.0
 
@@ -69,13 +72,15 @@ def _solid(rng: np.random.Generator, kind: str, colour: str) -> Solid:
     return Solid("box", 0, 0, turn, half_x, half_y, height, colour)
 
 
-def placed(rng: np.random.Generator, solid: Solid, arena: Arena) -> Solid | None:
+def placed(rng: np.random.Generator, solid: Solid, arena: Arena, gap_m: float = GAP_M) -> Solid | None:
     """The solid somewhere free, a gap from all others; None if there is no room."""
     half = np.array((arena.length_m / 2, arena.width_m / 2)) - 0.9 - solid.reach_m
+    if half.min() <= 0:
+        return None
     for _ in range(60):
         spot = rng.uniform(-half, half)
         apart = [float(s.distance(spot[None])[0]) - solid.reach_m for s in arena.solids]
-        if min(apart, default=np.inf) > GAP_M:
+        if min(apart, default=np.inf) > gap_m:
             return replace(solid, x=float(spot[0]), y=float(spot[1]))
     return None
 
@@ -85,6 +90,8 @@ def at_a_wall(rng: np.random.Generator, solid: Solid, arena: Arena) -> Solid | N
     for _ in range(60):
         side = int(rng.integers(4))
         out, span = (arena.length_m, arena.width_m) if side % 2 == 0 else (arena.width_m, arena.length_m)
+        if span / 2 <= WALL_GAP_M + solid.half_y:
+            continue
         inwards = side * np.pi / 2 + np.pi
         c, s = -np.cos(inwards), -np.sin(inwards)
         away = out / 2 - WALL_GAP_M - solid.half_x

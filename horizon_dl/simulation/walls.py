@@ -89,4 +89,6 @@ def _any_colour(rng: np.random.Generator) -> str:
 
 
 def _wall_colour(rng: np.random.Generator, arena: Arena) -> str:
+    if arena.wall_colours:
+        return arena.wall_colours[rng.integers(len(arena.wall_colours))]
     return arena.floor_colours[rng.integers(3)] if rng.random() < 0.35 else _any_colour(rng)

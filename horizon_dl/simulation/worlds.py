@@ -1,13 +1,15 @@
-"""Worlds to simulate: halls, rooms, hallways, yards and streets; each seed is another one."""
+"""Worlds to simulate: halls, rooms, hallways, offices, yards and streets; each seed is another one."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from horizon_dl.simulation import things
+from horizon_dl.simulation import office, things
 from horizon_dl.simulation.layout import (
+    CROWDED_GAP_M,
     FLOOR_COLOURS,
+    GAP_M,
     PAVEMENT_SHARE,
     Arena,
     at_a_wall,
@@ -50,6 +52,16 @@ IN_A_HALLWAY: Draws = (
     (2, things.shelf),
     (2, things.low_boxes),
 )
+AT_OFFICE_WALLS: Draws = (
+    (4, office.desks),
+    (3, things.shelf),
+    (3, things.cabinet),
+    (2, things.waste_bin),
+    (2, office.clutter),
+)
+IN_AN_OFFICE: Draws = ((3, office.desk_island), (2, office.desks), (1, things.person))
+ABOUT_AN_OFFICE: Draws = ((5, office.office_chair), (4, office.clutter), (2, things.waste_bin))
+OFFICE_WALLS = ("white", "white", "grey", "beige")
 OUTDOORS: Draws = (
     (3, things.car),
     (5, things.tree),
@@ -70,8 +82,8 @@ ON_A_PAVEMENT: Draws = (
     (2, things.bush),
     (2, things.low_boxes),
 )
-PARKED, CROSSING = 9, 2
-"""The most cars at the kerbs, and the most people on the road."""
+PARKED, DRIVING, CROSSING = 9, 5, 2
+"""The most cars at the kerbs, cars and lorries in the lanes, and people on the road."""
 
 
 def draw_clutter(rng: Rng) -> Arena:
@@ -92,6 +104,21 @@ def draw_hallway(rng: Rng) -> Arena:
     return arena
 
 
+def draw_office(rng: Rng) -> Arena:
+    """An office or laboratory of 8 to 14 m by 7 to 11 m, crowded and most of it white, grey and black."""
+    room = _empty(rng, (8, 14), (7, 11), (2.4, 3.2), ("carpets", "lino", "lino", "tiles", "boards"))
+    arena = replace(room, wall_colours=OFFICE_WALLS, door_every_m=float(rng.uniform(3.0, 9.0)))
+    if rng.random() < 0.6:
+        arena = replace(arena, floor_colours=_muted_floor(rng))
+    for solid in _drawn(rng, AT_OFFICE_WALLS):
+        arena = with_solid(arena, at_a_wall(rng, office.muted(rng, solid), arena))
+    for draws, gap_m in ((IN_AN_OFFICE, GAP_M), (ABOUT_AN_OFFICE, CROWDED_GAP_M)):
+        for solid in _drawn(rng, draws):
+            turned = replace(office.muted(rng, solid), turn_rad=float(rng.uniform(0, 2 * np.pi)))
+            arena = with_solid(arena, placed(rng, turned, arena, gap_m))
+    return arena
+
+
 def draw_outdoors(rng: Rng) -> Arena:
     """A yard, car park or garden of 18 to 28 m between house walls: grass, gravel or paving, and shadows."""
     yard = _empty(rng, (18, 28), (18, 28), (3.5, 7.0), ("grass", "gravel", "paving", "path"))
@@ -99,7 +126,7 @@ def draw_outdoors(rng: Rng) -> Arena:
 
 
 def draw_street(rng: Rng) -> Arena:
-    """A street of 28 to 45 m by 12 to 17 m between house walls; its cars stand at the kerb."""
+    """A street of 28 to 45 m by 12 to 17 m between house walls; cars stand at the kerb and in the lanes."""
     empty = _empty(rng, (28, 45), (12, 17), (3.0, 8.0), ("street",))
     street = replace(empty, open_sky=True, sun_rad=_sun(rng))
     pavement_m = PAVEMENT_SHARE * street.width_m
@@ -109,7 +136,14 @@ def draw_street(rng: Rng) -> Arena:
     for solid in _drawn(rng, ON_A_PAVEMENT):
         from_wall_m = float(rng.uniform(min(solid.half_x, solid.half_y) + 0.1, pavement_m))
         street = with_solid(street, beside_the_way(rng, solid, street, from_wall_m))
-    return _furnished(rng, street, ((CROSSING, things.person),))
+    street = _furnished(rng, street, ((CROSSING, things.person),))
+    for _ in range(int(rng.integers(0, DRIVING + 1))):
+        vehicle = things.lorry(rng) if rng.random() < 0.35 else things.car(rng)
+        from_middle_m = float(
+            rng.uniform(vehicle.half_y + 0.2, street.width_m / 2 - pavement_m - vehicle.half_y)
+        )
+        street = with_solid(street, beside_the_way(rng, vehicle, street, street.width_m / 2 - from_middle_m))
+    return street
 
 
 def _sun(rng: Rng) -> tuple[float, float]:
@@ -124,6 +158,11 @@ def _empty(rng: Rng, length: Range, width: Range, wall: Range, grounds: Sequence
 
 def _floor_colours(rng: Rng) -> tuple[str, str, str]:
     one, two, three = (str(name) for name in rng.choice(FLOOR_COLOURS, 3, replace=False))
+    return (one, two, three)
+
+
+def _muted_floor(rng: Rng) -> tuple[str, str, str]:
+    one, two, three = (str(name) for name in rng.permutation(("grey", "charcoal", "beige")))
     return (one, two, three)
 
 
@@ -148,6 +187,7 @@ WORLDS = {
     "arena": World(draw_arena, _drone),
     "clutter": World(draw_clutter, draw_rig),
     "hallway": World(draw_hallway, draw_rig),
+    "office": World(draw_office, draw_rig),
     "outdoor": World(draw_outdoors, draw_rig),
     "street": World(draw_street, draw_rig),
 }
