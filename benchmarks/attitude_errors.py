@@ -15,7 +15,7 @@ from itertools import chain
 from pathlib import Path
 
 import numpy as np
-from nets import open_set, set_names
+from nets import all_sets, open_set
 from numpy.typing import NDArray
 from safety import LEFT_OUT, trained_model
 
@@ -30,14 +30,13 @@ PITCHES_DEG = (-3, -6, -10, 3, 6, 10)
 """Of the attitude over the true one; negative ones take the camera to look further up than it does."""
 ROLLS_DEG = (3, 6, 12)
 LATE = (1, 3, 10)
-FURTHER_SETS = ("room", "icl_office_kt3", "tum_fr1_rpy")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    sets = [*set_names(), *(name for name in FURTHER_SETS if data_folder(name).is_dir())]
+    sets = all_sets()
     parser.add_argument("--nets", type=Path, required=True, help="folder of the trained nets")
     parser.add_argument("--set", nargs="*", choices=sets, default=sets)
     arguments = parser.parse_args()

@@ -19,8 +19,14 @@ from typing import Any, NamedTuple
 
 from ablations import ABLATIONS, ablation_figures, ablation_markdown
 from dropout_table import dropout_figures, dropout_markdown
-from methods import methods_figures, methods_markdown, ranging_markdown, second_truth_markdown
-from nets import set_names
+from methods import (
+    methods_figures,
+    methods_markdown,
+    ranging_markdown,
+    second_truth_markdown,
+    threshold_markdown,
+)
+from nets import all_sets, set_names
 from novelty import novelty_figures, novelty_markdown
 from shade import shade_figures, shade_markdown
 
@@ -50,7 +56,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=3)
     parser.add_argument("--only", choices=PARTS, help="one part")
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--sets", nargs="+", choices=set_names(), default=set_names())
+    parser.add_argument("--sets", nargs="+", choices=all_sets(), default=all_sets())
     arguments = parser.parse_args()
     parts = (arguments.only,) if arguments.only else PARTS
     start = time.perf_counter()
@@ -78,6 +84,8 @@ def jobs_of(parts: Sequence[str], sets: Sequence[str], seeds: range, nets: Path)
     for name in sets:
         if "methods" in parts:
             yield Job("methods", (name,), methods_figures, (name, seeds))
+        if name not in set_names():
+            continue  # only the table of all methods has the further sets
         if "dropout" in parts:
             yield Job("dropout", (name,), dropout_figures, (name, seeds[:1], nets))
         if "ablations" in parts:
@@ -87,7 +95,7 @@ def jobs_of(parts: Sequence[str], sets: Sequence[str], seeds: range, nets: Path)
         if "shade" in parts and name == SHADED_SET:
             yield Job("shade", (name,), shade_figures, (name, seeds, nets))
     if "novelty" in parts:
-        for name in sets:
+        for name in set(sets) & set(set_names()):
             yield Job("novelty", (name,), novelty_figures, (name, seeds[:1], nets))
 
 
@@ -125,7 +133,7 @@ def as_markdown(found: dict[str, Any]) -> str:
     blocks = []
     if "methods" in found:
         blocks += [methods_markdown(found["methods"]), second_truth_markdown(found["methods"])]
-        blocks.append(ranging_markdown(found["ranging"]))
+        blocks += [threshold_markdown(found["methods"]), ranging_markdown(found["ranging"])]
     if "ablations" in found:
         blocks.append(ablation_markdown(found["ablations"], found.get("methods")))
     for part, markdown in (

@@ -10,13 +10,12 @@ kind but the arena. Two may run at once into one folder, each with its `--sets`,
 
 import argparse
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean, pstdev
 
-from nets import net_method, scored, set_names, trained_net
+from nets import all_sets, net_method, scored, trained_net
 
 from horizon_dl.output import write_json
 from horizon_dl.reporting.table import format_markdown
@@ -24,7 +23,6 @@ from horizon_dl.simulation.simulate import simulate
 from horizon_dl.simulation.worlds import WORLDS
 
 WORLD_FRAMES = 120
-FURTHER_SETS = ("room", "icl_office_kt3", "tum_fr1_rpy")
 
 
 @dataclass(frozen=True)
@@ -89,12 +87,6 @@ def main() -> None:
         for variant in args.variants
     }
     print(markdown(figures))
-
-
-def all_sets() -> list[str]:
-    """The embedded set, and all real ones that lie below HORIZON_DL_DATA."""
-    folder = Path(os.environ.get("HORIZON_DL_DATA", "."))
-    return [*set_names(), *(name for name in FURTHER_SETS if (folder / name).is_dir())]
 
 
 def measured(out: Path, variant: str, name: str, seed: int) -> dict[str, Pair]:

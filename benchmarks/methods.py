@@ -49,6 +49,23 @@ def second_truth_markdown(found: Mapping[str, Any]) -> str:
     return "## Other truths\n\n" + "\n\n".join(tables)
 
 
+def threshold_markdown(found: Mapping[str, Any]) -> str:
+    """Found / false positives by the net's entropy: the least with 90 % found, then by both rules.
+
+    And what the net says of itself, and the forest's false positives with 90 % found.
+    """
+    header = ["set", "90 % found", "forest, 90 % found", "percentile", "youden-simulated", "contradicted", ""]
+    rows = []
+    for name, methods in found.items():
+        net, forest = methods["cnn"], methods["rf"]
+        least = [f".90 / {method['scores']['entropy']['fpr90']:.3f}" for method in (net, forest)]
+        points = [net.get(f"operating_point{rule}") for rule in ("", "_simulated")]
+        rates = ["-" if point is None else f"{point['tpr']:.3f} / {point['fpr']:.3f}" for point in points]
+        said = net["self_assessment"]
+        rows.append([name, *least, *rates, f"{said['contradicted']:.3f}", said["verdict"]])
+    return f"## Thresholds\n\n{format_markdown(header, rows)}"
+
+
 def ranging_markdown(found: Mapping[str, Any]) -> str:
     """Free distances by the first seed's net, and by the truth's own floor, where there are measured ones."""
     columns = ["set, floor", *RANGING, "bearings"]

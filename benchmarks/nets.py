@@ -27,12 +27,19 @@ from horizon_dl.training.run_folder import weights
 from horizon_dl.training.train import train_net
 
 REAL_SETS = ("arena", "corridor", "hallway", "kitti")
+FURTHER_SETS = ("room", "tum_fr1_rpy", "icl_office_kt3")
 
 
 def set_names() -> list[str]:
     """The embedded set, and those of the real ones that lie below HORIZON_DL_DATA."""
     folder = Path(os.environ.get("HORIZON_DL_DATA", "."))
     return ["embedded", *(name for name in REAL_SETS if (folder / name).is_dir())]
+
+
+def all_sets() -> list[str]:
+    """Those, and the further real ones, which only the table of all methods and the choices take."""
+    folder = Path(os.environ.get("HORIZON_DL_DATA", "."))
+    return [*set_names(), *(name for name in FURTHER_SETS if (folder / name).is_dir())]
 
 
 def open_set(name: str) -> Recording:

@@ -11,8 +11,8 @@ from pathlib import Path
 from statistics import fmean
 
 import matplotlib.pyplot as plt
-from leave_one_out import all_sets, measured, simulated_worlds
-from nets import store_of, trained_net
+from leave_one_out import measured, simulated_worlds
+from nets import all_sets, store_of, trained_net
 from scipy.stats import spearmanr
 
 from horizon_dl.evaluation.compare import split_recording
