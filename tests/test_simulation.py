@@ -31,7 +31,7 @@ from horizon_dl.simulation.sensor import GAMMA, TARGET, AutoExposure, develop
 from horizon_dl.simulation.shots import Conditions, Shot, draw_flight, render_flight
 from horizon_dl.simulation.simulate import simulate
 from horizon_dl.simulation.solid import Part, Solid
-from horizon_dl.simulation.things import car, hedge, lorry, shelf
+from horizon_dl.simulation.things import car, hedge, shelf
 from horizon_dl.simulation.walls import wall_faces
 from horizon_dl.simulation.worlds import (
     ABOUT_AN_OFFICE,
@@ -299,7 +299,7 @@ def test_tilt_goes_with_acceleration() -> None:
 
 
 ROOMS = (*AT_WALLS, *INDOORS, *IN_A_HALLWAY, *AT_OFFICE_WALLS, *IN_AN_OFFICE, *ABOUT_AN_OFFICE)
-DRAWS = (*ROOMS, *OUTDOORS, *ON_A_PAVEMENT, (1, lorry))
+DRAWS = (*ROOMS, *OUTDOORS, *ON_A_PAVEMENT)
 
 
 @pytest.mark.parametrize("draw", sorted({draw for _, draw in DRAWS}, key=str))

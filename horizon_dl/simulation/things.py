@@ -216,22 +216,6 @@ def car(rng: Rng) -> Solid:
     )
 
 
-def lorry(rng: Rng) -> Solid:
-    """A van, lorry or bus: a cab, a box behind it and wheels."""
-    half_x, half_y = float(rng.uniform(2.3, 4.5)), float(rng.uniform(0.9, 1.25))
-    cab, top, colour = float(rng.uniform(1.9, 2.6)), float(rng.uniform(2.0, 3.6)), colour_of(rng)
-    front = float(rng.uniform(0.7, 1.0))
-    wheels = [(x, j * (half_y - 0.12)) for x in (half_x - 0.8, 0.8 - half_x) for j in (-1, 1)]
-    return thing(
-        "lorry",
-        [
-            Part(-front, 0.0, half_x - front, half_y, 0.45, max(top, 2.0), colour),
-            Part(half_x - front, 0.0, front, half_y - 0.05, 0.35, cab, colour_of(rng), "plain"),
-            *(Part(x, y, 0.45, 0.12, 0.0, 0.85, "charcoal", "plain") for x, y in wheels),
-        ],
-    )
-
-
 def person(rng: Rng) -> Solid:
     """Somebody who stands or walks."""
     tall, stride = float(rng.uniform(1.1, 1.9)), float(rng.uniform(0.0, 0.2))

@@ -82,8 +82,8 @@ ON_A_PAVEMENT: Draws = (
     (2, things.bush),
     (2, things.low_boxes),
 )
-PARKED, DRIVING, CROSSING = 9, 5, 2
-"""The most cars at the kerbs, cars and lorries in the lanes, and people on the road."""
+PARKED, CROSSING = 9, 2
+"""The most cars at the kerbs, and the most people on the road."""
 
 
 def draw_clutter(rng: Rng) -> Arena:
@@ -126,7 +126,7 @@ def draw_outdoors(rng: Rng) -> Arena:
 
 
 def draw_street(rng: Rng) -> Arena:
-    """A street of 28 to 45 m by 12 to 17 m between house walls; cars stand at the kerb and in the lanes."""
+    """A street of 28 to 45 m by 12 to 17 m between house walls; its cars stand at the kerb."""
     empty = _empty(rng, (28, 45), (12, 17), (3.0, 8.0), ("street",))
     street = replace(empty, open_sky=True, sun_rad=_sun(rng))
     pavement_m = PAVEMENT_SHARE * street.width_m
@@ -136,14 +136,7 @@ def draw_street(rng: Rng) -> Arena:
     for solid in _drawn(rng, ON_A_PAVEMENT):
         from_wall_m = float(rng.uniform(min(solid.half_x, solid.half_y) + 0.1, pavement_m))
         street = with_solid(street, beside_the_way(rng, solid, street, from_wall_m))
-    street = _furnished(rng, street, ((CROSSING, things.person),))
-    for _ in range(int(rng.integers(0, DRIVING + 1))):
-        vehicle = things.lorry(rng) if rng.random() < 0.35 else things.car(rng)
-        from_middle_m = float(
-            rng.uniform(vehicle.half_y + 0.2, street.width_m / 2 - pavement_m - vehicle.half_y)
-        )
-        street = with_solid(street, beside_the_way(rng, vehicle, street, street.width_m / 2 - from_middle_m))
-    return street
+    return _furnished(rng, street, ((CROSSING, things.person),))
 
 
 def _sun(rng: Rng) -> tuple[float, float]:
