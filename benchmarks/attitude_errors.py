@@ -8,7 +8,6 @@ and how many are free or over 1.5 times as far away.
 """
 
 import argparse
-import os
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import chain
@@ -48,11 +47,6 @@ def main() -> None:
         for title, spoil in errors().items():
             wrong = [flown(model, spoil(flight)) for flight in flights]
             print(f"| {name} | {title} | {row(right, wrong)} |", flush=True)
-
-
-def data_folder(name: str) -> Path:
-    """Of a real set."""
-    return Path(os.environ.get("HORIZON_DL_DATA", ".")) / name
 
 
 def left_out_flights(name: str) -> list[Flight]:

@@ -62,6 +62,8 @@ def main() -> None:
     start = time.perf_counter()
     with tempfile.TemporaryDirectory() as nets:
         jobs = list(jobs_of(parts, arguments.sets, range(arguments.seeds), Path(nets)))
+        if not jobs:
+            parser.error("this part has nothing to do on these sets")
         found = results(jobs, arguments.processes)
     if "methods" in found:  # each of its jobs gives two blocks
         by_set = found["methods"]
@@ -95,7 +97,7 @@ def jobs_of(parts: Sequence[str], sets: Sequence[str], seeds: range, nets: Path)
         if "shade" in parts and name == SHADED_SET:
             yield Job("shade", (name,), shade_figures, (name, seeds, nets))
     if "novelty" in parts:
-        for name in set(sets) & set(set_names()):
+        for name in (one for one in sets if one in set_names()):
             yield Job("novelty", (name,), novelty_figures, (name, seeds[:1], nets))
 
 

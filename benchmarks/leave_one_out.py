@@ -5,7 +5,8 @@ HORIZON_DL_DATA and on the embedded one (protocol labelled-out), keeps nets and 
 can be stopped and goes on, and prints: AUC of a score, pooled / within depression bands; worst set and mean;
 and, for every set, the variant that is best on all the others, with what it has on the one left out. A choice
 is by the mean of the mean and the worst set within bands. `--worlds 10` adds ten simulated worlds of each
-kind but the arena. Two may run at once into one folder, each with its `--sets`, and a third then prints all.
+kind that taught the start. Two may run at once into one folder, each with its `--sets`, and a third then
+prints all.
 """
 
 import argparse
@@ -16,11 +17,11 @@ from pathlib import Path
 from statistics import fmean, pstdev
 
 from nets import all_sets, net_method, scored, trained_net
+from simulated_start import KINDS
 
 from horizon_dl.output import write_json
 from horizon_dl.reporting.table import format_markdown
 from horizon_dl.simulation.simulate import simulate
-from horizon_dl.simulation.worlds import WORLDS
 
 WORLD_FRAMES = 120
 
@@ -108,13 +109,8 @@ def measured(out: Path, variant: str, name: str, seed: int) -> dict[str, Pair]:
 
 
 def simulated_worlds(folder: Path, count: int) -> list[Path]:
-    """The first seeds of each kind of world but the arena, rendered where they are missing."""
-    worlds = {
-        folder / f"{world}_{seed}": (world, seed)
-        for seed in range(count)
-        for world in WORLDS
-        if world != "arena"
-    }
+    """The first seeds of each kind of world that taught the start, rendered where they are missing."""
+    worlds = {folder / f"{world}_{seed}": (world, seed) for seed in range(count) for world in KINDS}
     for path, (world, seed) in worlds.items():
         if not (path / "camera.yaml").exists():
             path.parent.mkdir(parents=True, exist_ok=True)

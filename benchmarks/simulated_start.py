@@ -1,13 +1,12 @@
 """Teaches the small net in simulated worlds what floor is: the weights that training starts from.
 
-`python benchmarks/simulated_start.py --frames FOLDER` renders rooms full of furniture,
-hallways, yards and streets, each of another seed, into a folder, trains the default net on the renderer's
-labels (floor against everything else) and writes `horizon_dl/models/simulated_start.safetensors`: 20 and 25
-minutes on a core. The arena's kind of world takes no part, as the embedded set is one; nor do the seeds under
-100, on which the defaults are tried. Light, colours, shade,
-sharpness and noise of the crops are drawn at random, so that the net learns what real pictures share
-(domain randomisation, Tobin et al. 2017, arXiv:1703.06907). Where the software renderer crashes, after some
-hundred worlds, start it again: it goes on.
+`python benchmarks/simulated_start.py --frames FOLDER` renders rooms full of furniture, hallways, yards and
+streets, each of another seed, into a folder, trains the default net on the renderer's labels (floor against
+everything else) and writes `horizon_dl/models/simulated_start.safetensors`: 20 and 25 minutes on a core. The
+kinds arena, as the embedded set is one, and office take no part; nor do the seeds under 100, on which the
+defaults are tried (these are 300 to 399). Light, colours, shade, sharpness and noise of the crops are drawn
+at random, so that the net learns what real pictures share (domain randomisation, Tobin et al. 2017,
+arXiv:1703.06907). Where the software renderer crashes, after some hundred worlds, start it again: it goes on.
 """
 
 import argparse

@@ -73,7 +73,7 @@ def test_who_looks_at_predictions_reads_it_too(share, told, tmp_path, capsys) ->
         out = tmp_path / str(number)
         capsys.readouterr()
         assert main(["predict", str(model), str(toy_set()), "--out", str(out), "--max-frames", "2"]) == 0
-        line = "the net says of itself: doubtful here: on 20% of the ground"
+        line = "the net says of itself: doubtful here: it is sure that 20% of the ground"
         assert (line in capsys.readouterr().out) == told
         assert (line[1:] in (out / "index.html").read_text()) == told
 

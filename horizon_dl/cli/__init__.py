@@ -22,7 +22,7 @@ from horizon_dl.nearest_word import meant
 
 VERBS = {
     "demo": "the whole story on the embedded data set",
-    "data": "public data sets, and the simulated arena",
+    "data": "public data sets, and simulated worlds",
     "check-data": "whether a data set can work, and why not",
     "calibrate-mount": "the camera's mount error from the images themselves",
     "train": "train the net on a data set",

@@ -85,7 +85,7 @@ def _tum(name: str, group: str, what: str, megabytes: int | None, sha256: str | 
 _SETS = (
     PublicSet(
         name="simulated",
-        what="a drone's flight through a random arena, rendered here: horizon-dl data simulate",
+        what="a flight or walk through a random world, rendered here: horizon-dl data simulate --world NAME",
         licence="MIT, as this package",
         page="no download",
     ),

@@ -110,5 +110,5 @@ def said(assessment: object) -> str | None:
         return None
     if not isinstance(share, (int, float)):
         return f"{words} here: {WORDS[words]}"
-    seen = "of the ground it is sure of floor where the net of the simulated worlds sees an obstacle"
-    return f"{words} here: on {share:.0%} {seen}; {WORDS[words]}"
+    seen = "of the ground is floor where the net of the simulated worlds sees an obstacle"
+    return f"{words} here: it is sure that {share:.0%} {seen}; {WORDS[words]}"

@@ -1,1 +1,1 @@
-"""The simulated arena: procedural scene, flight, renderer, and the embedded data set."""
+"""Simulated worlds: procedural scenes, flights, renderer, and the embedded data set."""

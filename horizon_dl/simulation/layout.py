@@ -9,11 +9,13 @@ from numpy.typing import NDArray
 from horizon_dl.simulation.solid import Solid
 from horizon_dl.simulation.surfaces import PALETTE
 
-GAP_M = 1.5  # between any two solids, and from a solid to a wall: the flight has to fit through
+GAP_M = 1.5  # between things that stand free, unless they may crowd: the flight has to fit through
+FREE_OF_WALLS_M = 0.9
 
 PAVEMENT_SHARE = 0.18  # of a street's width, on each side
 BESIDE_GAP_M = 0.3  # between things beside a street
 CROWDED_GAP_M = 0.2  # from what stands about in an office to the furniture
+AISLE_M = 0.8  # between free-standing desks
 WALL_GAP_M = 0.05  # from furniture to the wall that it stands at
 FLOOR_COLOURS = ("green", "blue", "charcoal", "grey", "beige", "brown")
 
@@ -74,7 +76,7 @@ def _solid(rng: np.random.Generator, kind: str, colour: str) -> Solid:
 
 def placed(rng: np.random.Generator, solid: Solid, arena: Arena, gap_m: float = GAP_M) -> Solid | None:
     """The solid somewhere free, a gap from all others; None if there is no room."""
-    half = np.array((arena.length_m / 2, arena.width_m / 2)) - 0.9 - solid.reach_m
+    half = np.array((arena.length_m / 2, arena.width_m / 2)) - FREE_OF_WALLS_M - solid.reach_m
     if half.min() <= 0:
         return None
     for _ in range(60):

@@ -15,9 +15,9 @@ MUTED_SHARE = 0.8
 
 
 def muted(rng: Rng, solid: Solid) -> Solid:
-    """The thing in an office's colours: most of its own give way to white, grey, black and wood."""
+    """The thing in an office's colours: most of its own give way to white, grey and wood; black stays."""
     other = {
-        colour: str(rng.choice(MUTED)) if rng.random() < MUTED_SHARE else colour
+        colour: str(rng.choice(MUTED)) if colour != "charcoal" and rng.random() < MUTED_SHARE else colour
         for colour in sorted({part.colour for part in solid.parts} | {solid.colour})
     }
     parts = tuple(replace(part, colour=other[part.colour]) for part in solid.parts)
@@ -31,7 +31,9 @@ def office_chair(rng: Rng) -> Solid:
 
 def desks(rng: Rng) -> Solid:
     """One to four desks in a row with all that belongs to them; their backs are at -x."""
-    return thing("desks", _row(rng, int(rng.integers(1, 5))))
+    parts = _row(rng, int(rng.integers(1, 5)))
+    middle = (min(p.x - p.half_x for p in parts) + max(p.x + p.half_x for p in parts)) / 2
+    return thing("desks", [replace(part, x=part.x - middle) for part in parts])
 
 
 def desk_island(rng: Rng) -> Solid:
@@ -77,7 +79,7 @@ def _desk(rng: Rng, y: float, size: tuple[float, float, float], colour: str, *, 
     else:
         parts += [Part(0.0, y + j * (half_y - 0.02), half_x, 0.02, 0.0, top - 0.04, colour) for j in (-1, 1)]
     for side in (-0.4, 0.4)[: int(rng.integers(0, 3))]:
-        parts += _screen(rng, -half_x + 0.15, y + side * half_y, top)
+        parts += _screen(rng, (-half_x + 0.15, y + side * half_y), top, 0.38 * half_y)
     for _ in range(int(rng.integers(0, 4))):
         half, tall = rng.uniform(0.03, 0.15, 2), float(rng.uniform(0.02, 0.3))
         along = y + float(rng.uniform(-1, 1)) * (half_y - float(half[1]))
@@ -98,9 +100,10 @@ def _desk(rng: Rng, y: float, size: tuple[float, float, float], colour: str, *, 
     return parts
 
 
-def _screen(rng: Rng, x: float, y: float, top: float) -> list[Part]:
-    """A screen on its stand."""
-    half, tall = float(rng.uniform(0.2, 0.35)), float(rng.uniform(0.25, 0.4))
+def _screen(rng: Rng, place: tuple[float, float], top: float, most: float) -> list[Part]:
+    """A screen on its stand, half of it at most so wide."""
+    x, y = place
+    half, tall = min(most, float(rng.uniform(0.2, 0.35))), float(rng.uniform(0.25, 0.4))
     return [
         Part(x, y, 0.1, 0.12, top, top + 0.02, "charcoal", "plain"),
         Part(x, y, 0.03, 0.03, top, top + 0.12, "charcoal", "round"),

@@ -7,9 +7,9 @@ import numpy as np
 
 from horizon_dl.simulation import office, things
 from horizon_dl.simulation.layout import (
+    AISLE_M,
     CROWDED_GAP_M,
     FLOOR_COLOURS,
-    GAP_M,
     PAVEMENT_SHARE,
     Arena,
     at_a_wall,
@@ -110,12 +110,16 @@ def draw_office(rng: Rng) -> Arena:
     arena = replace(room, wall_colours=OFFICE_WALLS, door_every_m=float(rng.uniform(3.0, 9.0)))
     if rng.random() < 0.6:
         arena = replace(arena, floor_colours=_muted_floor(rng))
+    arena = _crowded(rng, arena, IN_AN_OFFICE, AISLE_M)
     for solid in _drawn(rng, AT_OFFICE_WALLS):
         arena = with_solid(arena, at_a_wall(rng, office.muted(rng, solid), arena))
-    for draws, gap_m in ((IN_AN_OFFICE, GAP_M), (ABOUT_AN_OFFICE, CROWDED_GAP_M)):
-        for solid in _drawn(rng, draws):
-            turned = replace(office.muted(rng, solid), turn_rad=float(rng.uniform(0, 2 * np.pi)))
-            arena = with_solid(arena, placed(rng, turned, arena, gap_m))
+    return _crowded(rng, arena, ABOUT_AN_OFFICE, CROWDED_GAP_M)
+
+
+def _crowded(rng: Rng, arena: Arena, draws: Draws, gap_m: float) -> Arena:
+    for solid in _drawn(rng, draws):
+        turned = replace(office.muted(rng, solid), turn_rad=float(rng.uniform(0, 2 * np.pi)))
+        arena = with_solid(arena, placed(rng, turned, arena, gap_m))
     return arena
 
 
