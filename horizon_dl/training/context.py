@@ -85,16 +85,19 @@ def before_last_round(net: HorizonFCN, store: FrameStore, indices: Sequence[int]
     if agreement < train.context_agreement:
         share = share_of_deepest(agreement)
         net.weigh_deepest(share)
-        taught = train.simulated_share if _has_a_teacher(store.config) else 0.0
-        return RoundPlan(train, taught * (1.0 - share))
+        return RoundPlan(train, taught_share(store.config, share))
     net.weigh_deepest(1.0)
     changed = {"batch": train.context_batch, "crop": train.context_crop, "pastes": 0}
     return RoundPlan(train.model_copy(update=changed))
 
 
-def _has_a_teacher(config: Config) -> bool:
-    """Only targets that follow a net have one: hard labels stay hard."""
-    return config.target.kind in LEARNING and starts_simulated(config.model)
+def taught_share(config: Config, deepest: float) -> float:
+    """The simulated worlds' net's share of the targets, by the deepest head's share of the prediction.
+
+    Only targets that follow a net have a teacher: hard labels stay hard.
+    """
+    has_one = config.target.kind in LEARNING and starts_simulated(config.model)
+    return config.train.simulated_share * (1.0 - deepest) if has_one else 0.0
 
 
 def _is_to_be_asked(train: TrainConfig) -> bool:

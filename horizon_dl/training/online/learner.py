@@ -17,12 +17,14 @@ from horizon_dl.data.view import View, any_view
 from horizon_dl.geometry.resize import halved
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.models.start import start_of, starting_net
+from horizon_dl.models.start import simulated_net, start_of, starting_net
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.checkpoint import Snapshot
+from horizon_dl.training.context import share_of_deepest, taught_share
 from horizon_dl.training.crops import Batch, draw_batch
 from horizon_dl.training.evidence import training_evidence
 from horizon_dl.training.half_resolution import (
+    Teacher,
     doubled,
     guide_of,
     half_resolution_frame,
@@ -31,6 +33,7 @@ from horizon_dl.training.half_resolution import (
 from horizon_dl.training.loss import horizon_loss
 from horizon_dl.training.online.compression import CompressedFrame, unpack, unpack_elevation
 from horizon_dl.training.online.replay_buffer import ReplayBuffer
+from horizon_dl.training.online.running_agreement import ASK_EVERY, RunningAgreement
 from horizon_dl.training.run_folder import Run
 from horizon_dl.uncertainty.measures import Measures, binary_entropy
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
@@ -81,6 +84,9 @@ class OnlineLearner:
             self._dropout_state = torch.get_rng_state()
         self._average = averaged(self._net, config.train.average_decay)
         self.memory = ReplayBuffer(config.online.memory_mb, self._rng)
+        self._agreement = RunningAgreement(config.geodesic)
+        self._teacher: Teacher | None = None
+        self._simulated = guide_of(simulated_net()) if taught_share(config, 0.0) else None
         self._optimiser = torch.optim.AdamW(
             self._net.parameters(), lr=config.online.learning_rate, weight_decay=config.train.weight_decay
         )
@@ -122,15 +128,18 @@ class OnlineLearner:
         """
         view = self._view(seen)
         guide = self._guide if self.frames >= FIRST_GUIDED_FRAME else None
-        newest = half_resolution_frame(view, self.config, guide)
+        if guide is not None and self.frames % ASK_EVERY == 0:
+            self._follow(self._agreement.ask(view, self._encoded(view.image).of_all_depths()))
+        newest = half_resolution_frame(view, self.config, guide, self._teacher)
         if not newest.valid_mask.any():
             return
         self.memory.add(newest, halved(view.elevation), UNGUIDED if guide is None else self.frames)
         if guide is not None and self.frames % RENEWAL_FRAMES == 0:
             # Other images than the newest: what was asked of that stays at hand.
-            anew = guide_of(self.net)
+            anew, teacher = guide_of(self.net), self._teacher
             self.memory.renew(
-                self.frames, lambda *old: half_resolution_target(old[0], old[1], self.config, anew)
+                self.frames,
+                lambda image, up: half_resolution_target(image, up, self.config, anew, teacher),
             )
         settings = self.config.online
         early = self.frames < settings.warm_up_frames
@@ -181,6 +190,7 @@ class OnlineLearner:
             "dropped": self.dropped,
             "taken": self._taken,
             "random": self._rng.bit_generator.state,
+            "agreements": self._agreement.state(),
             "optimiser": optimiser["param_groups"],
         }
         return Snapshot.join({"learner": Snapshot(own, values), "memory": self.memory.snapshot()})
@@ -200,6 +210,8 @@ class OnlineLearner:
         self._rng.bit_generator.state = own.values["random"]
         self.frames, self.dropped, self._taken = (own.values[name] for name in ("frames", "dropped", "taken"))
         self.memory.restore(snapshot.part("memory"))
+        self._agreement.load(own.values["agreements"])
+        self._follow(self._agreement.mean())
 
     def _view(self, seen: View | Frame) -> View:
         if isinstance(seen, View):
@@ -217,6 +229,16 @@ class OnlineLearner:
 
     def _guide(self, image: NDArray[np.uint8], size: tuple[int, ...]) -> Map:
         return self._encoded(image).of_all_depths(size)
+
+    def _follow(self, agreement: float | None) -> None:
+        """Let the prediction and the targets follow how far net and paths agree."""
+        if agreement is None:
+            return
+        deepest = share_of_deepest(agreement)
+        for net in (self._net, self.net):
+            net.weigh_deepest(deepest)
+        share = taught_share(self.config, deepest)
+        self._teacher = Teacher(self._simulated, share) if self._simulated and share else None
 
     def _learning_rate(self) -> float:
         """High at first, then as one over the number of steps, to a floor."""
