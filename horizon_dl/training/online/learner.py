@@ -54,6 +54,9 @@ UNGUIDED = -1
 class OnlineLearner:
     """A net that learns from a stream, in one pass; the moving average of its weights predicts.
 
+    How far net and paths agree decides the heads' shares of the prediction and the simulated worlds' net's
+    share of the targets, see `RunningAgreement`.
+
     Frames, which carry image, camera and `up_cam`, may be given as they are. What should not be learned from
     (frozen pictures, an attitude that jumps) a `StreamGuard` finds.
 
