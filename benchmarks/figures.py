@@ -2,8 +2,9 @@
 
     HORIZON_DL_DATA=DIR python benchmarks/figures.py --out figures
 
-Takes about an hour and a half on 2 cores (`--only methods`: 40 minutes), one process with one thread on each. Writes figures.md and figures.json with
-seeds, versions and machine. DIR holds data sets, one a folder; the embedded set is added.
+Takes some two hours on 2 cores (`--only methods`: 40 minutes), one process with one thread on each. Writes
+figures.md and figures.json with seeds, versions and machine. DIR holds data sets, one a folder; the embedded
+set is added.
 """
 
 import argparse
