@@ -10,6 +10,7 @@ from small_run import toy_set
 from horizon_dl.config import load_config
 from horizon_dl.data.view import View
 from horizon_dl.readers.registry import open_recording
+from horizon_dl.targets.agreement import path_agreement
 from horizon_dl.targets.geodesic_params import GEODESIC
 from horizon_dl.training.context import AGREEMENT_FRAMES, share_of_deepest
 from horizon_dl.training.online import learner as learner_module
@@ -67,16 +68,21 @@ def test_before_the_first_answer_nothing_changes(monkeypatch):
 def test_the_latest_answers_count_and_come_back_from_json():
     rng, asked, mean = np.random.default_rng(0), RunningAgreement(GEODESIC), None
     level = np.repeat(np.linspace(0.3, -0.3, 120, dtype=np.float32)[:, None], 160, axis=1)
-    for index in range(AGREEMENT_FRAMES + 3):
+    answers = []
+    for index in range(2 * AGREEMENT_FRAMES):
         image = rng.integers(0, 256, (120, 160, 3), np.uint8)
         up = np.ones_like(level) if index % 4 == 0 else level  # nothing below the horizon: no answer
-        mean = asked.ask(View(image, up), rng.random(level.shape, np.float32))
+        view, p_above = View(image, up), rng.random(level.shape, np.float32)
+        answers.append(path_agreement(view, p_above))
+        mean = asked.ask(view, p_above)
     state = json.loads(json.dumps(asked.state(), allow_nan=False))
-    assert len(state) == AGREEMENT_FRAMES
-    known = [value for value in state if value is not None]
-    assert 0 < len(known) < len(state)
-    assert mean == pytest.approx(np.mean(known))
+    known = [answer for answer in answers if not np.isnan(answer)]
+    assert AGREEMENT_FRAMES < len(known) < len(answers)
+    assert state == known[-AGREEMENT_FRAMES:]
+    assert mean == pytest.approx(np.mean(state))
     other = RunningAgreement(GEODESIC)
     assert other.mean() is None
     other.load(state)
     assert other.mean() == mean
+    for _ in range(2 * AGREEMENT_FRAMES):  # however long nothing is below the horizon
+        assert asked.ask(View(image, np.ones_like(level)), p_above) == mean

@@ -8,14 +8,10 @@ horizon-dl check-data DATA --quick-train  also trains a net for a minute and hea
 import argparse
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from horizon_dl.cli.console import with_level
 from horizon_dl.cli.options import add_config, add_data, add_out, open_finding_axes, resolve_config
-
-if TYPE_CHECKING:
-    from horizon_dl.config import Config
-    from horizon_dl.data.source import Recording
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -47,8 +43,12 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         orientation=True,
         progress=True,
     )
-    if arguments.quick_train and check.level != "problem":
-        check = with_findings(replace(check, self_assessment=_quick_train(recording, config)))
+    hopeless = check.level == "problem"
+    if arguments.quick_train and not hopeless:
+        from horizon_dl.training.quick import quick_assessment
+
+        said = quick_assessment(recording, config, progress=True)
+        check = with_findings(replace(check, self_assessment=said))
     if axes:
         print(axes)
     for line in check_lines(check):
@@ -57,13 +57,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         with output_folder(arguments.out, "check-data", overwrite=arguments.overwrite) as folder:
             write_check(check, folder)
         print(f"wrote {arguments.out / 'index.html'}")
-    if arguments.quick_train and check.level == "problem":
+    if arguments.quick_train and hopeless:
         print("no net was trained: this data cannot work")
     return check.to_json()
-
-
-def _quick_train(recording: "Recording", config: "Config") -> dict[str, Any]:
-    """What a quickly trained net says of itself; learning is imported only where it is asked for."""
-    from horizon_dl.training.quick import quick_assessment
-
-    return quick_assessment(recording, config, progress=True)

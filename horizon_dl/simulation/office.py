@@ -1,6 +1,8 @@
 """Things of a crowded office or laboratory: desks with screens, swivel chairs, what lies about."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import wraps
 
 import numpy as np
 
@@ -14,14 +16,20 @@ MUTED_SHARE = 0.8
 """Of the colours of an office's things."""
 
 
-def muted(rng: Rng, solid: Solid) -> Solid:
-    """The thing in an office's colours: most of its own give way to white, grey and wood; black stays."""
-    other = {
-        colour: str(rng.choice(MUTED)) if colour != "charcoal" and rng.random() < MUTED_SHARE else colour
-        for colour in sorted({part.colour for part in solid.parts} | {solid.colour})
-    }
-    parts = tuple(replace(part, colour=other[part.colour]) for part in solid.parts)
-    return replace(solid, colour=other[solid.colour], parts=parts)
+def muted(draw: Callable[[Rng], Solid]) -> Callable[[Rng], Solid]:
+    """How a thing is drawn in an office's colours: most give way to white, grey and wood; black stays."""
+
+    @wraps(draw)
+    def drawn(rng: Rng) -> Solid:
+        solid = draw(rng)
+        other = {
+            colour: str(rng.choice(MUTED)) if colour != "charcoal" and rng.random() < MUTED_SHARE else colour
+            for colour in sorted({part.colour for part in solid.parts} | {solid.colour})
+        }
+        parts = tuple(replace(part, colour=other[part.colour]) for part in solid.parts)
+        return replace(solid, colour=other[solid.colour], parts=parts)
+
+    return drawn
 
 
 def office_chair(rng: Rng) -> Solid:
@@ -80,20 +88,13 @@ def _desk(rng: Rng, y: float, size: tuple[float, float, float], colour: str, *, 
         parts += [Part(0.0, y + j * (half_y - 0.02), half_x, 0.02, 0.0, top - 0.04, colour) for j in (-1, 1)]
     for side in (-0.4, 0.4)[: int(rng.integers(0, 3))]:
         parts += _screen(rng, (-half_x + 0.15, y + side * half_y), top, 0.38 * half_y)
-    for _ in range(int(rng.integers(0, 4))):
-        half, tall = rng.uniform(0.03, 0.15, 2), float(rng.uniform(0.02, 0.3))
-        along = y + float(rng.uniform(-1, 1)) * (half_y - float(half[1]))
-        parts.append(
-            Part(
-                0.1, along, min(float(half[0]), half_x - 0.1), float(half[1]), top, top + tall, colour_of(rng)
-            )
-        )
+    for _ in range(int(rng.integers(0, 4))):  # cups, books, a lamp
+        (deep, wide), tall = rng.uniform(0.03, 0.15, 2), float(rng.uniform(0.02, 0.3))
+        deep, along = min(float(deep), half_x - 0.1), y + float(rng.uniform(-1, 1)) * (half_y - float(wide))
+        parts.append(Part(0.1, along, deep, float(wide), top, top + tall, colour_of(rng)))
     if rng.random() < 0.6:  # drawers or a computer
-        parts.append(
-            Part(
-                0.0, y + half_y - 0.25, half_x - 0.08, float(rng.uniform(0.1, 0.2)), 0.0, 0.5, colour_of(rng)
-            )
-        )
+        wide = float(rng.uniform(0.1, 0.2))
+        parts.append(Part(0.0, y + half_y - 0.25, half_x - 0.08, wide, 0.0, 0.5, colour_of(rng)))
     if rng.random() < 0.75:
         away, aside = half_x + float(rng.uniform(0.05, 0.4)), float(rng.uniform(-0.4, 0.4)) * half_y
         parts += [replace(part, x=away - part.x, y=part.y + y + aside) for part in _office_chair_parts(rng)]

@@ -10,6 +10,7 @@ from horizon_dl.simulation.layout import (
     AISLE_M,
     CROWDED_GAP_M,
     FLOOR_COLOURS,
+    GAP_M,
     PAVEMENT_SHARE,
     Arena,
     at_a_wall,
@@ -18,6 +19,7 @@ from horizon_dl.simulation.layout import (
     placed,
     with_solid,
 )
+from horizon_dl.simulation.office import muted
 from horizon_dl.simulation.rig import DRONE, Rig, draw_rig
 from horizon_dl.simulation.solid import Solid
 
@@ -53,15 +55,19 @@ IN_A_HALLWAY: Draws = (
     (2, things.low_boxes),
 )
 AT_OFFICE_WALLS: Draws = (
-    (4, office.desks),
-    (3, things.shelf),
-    (3, things.cabinet),
-    (2, things.waste_bin),
-    (2, office.clutter),
+    (4, muted(office.desks)),
+    (3, muted(things.shelf)),
+    (3, muted(things.cabinet)),
+    (2, muted(things.waste_bin)),
+    (2, muted(office.clutter)),
 )
-IN_AN_OFFICE: Draws = ((3, office.desk_island), (2, office.desks), (1, things.person))
-ABOUT_AN_OFFICE: Draws = ((5, office.office_chair), (4, office.clutter), (2, things.waste_bin))
-OFFICE_WALLS = ("white", "white", "grey", "beige")
+IN_AN_OFFICE: Draws = ((3, muted(office.desk_island)), (2, muted(office.desks)), (1, things.person))
+ABOUT_AN_OFFICE: Draws = (
+    (5, muted(office.office_chair)),
+    (4, muted(office.clutter)),
+    (2, muted(things.waste_bin)),
+)
+OFFICE_WALLS, OFFICE_FLOORS = ("white", "white", "grey", "beige"), ("grey", "charcoal", "beige")
 OUTDOORS: Draws = (
     (3, things.car),
     (5, things.tree),
@@ -89,9 +95,7 @@ PARKED, CROSSING = 9, 2
 def draw_clutter(rng: Rng) -> Arena:
     """An office, laboratory or store of 8 to 13 m by 7 to 11 m: most in it is low."""
     arena = _empty(rng, (8, 13), (7, 11), (2.5, 3.4), ("carpets", "lino", "boards", "tiles"))
-    for solid in _drawn(rng, AT_WALLS):
-        arena = with_solid(arena, at_a_wall(rng, solid, arena))
-    return _furnished(rng, arena, INDOORS)
+    return _furnished(rng, _at_walls(rng, arena, AT_WALLS), INDOORS)
 
 
 def draw_hallway(rng: Rng) -> Arena:
@@ -99,9 +103,7 @@ def draw_hallway(rng: Rng) -> Arena:
     hallway = _empty(rng, (14, 28), (3.6, 5.5), (2.4, 3.2), ("lino", "lino", "tiles", "boards", "carpets"))
     shine = float(rng.uniform(0.03, 0.35)) if rng.random() < 0.75 else 0.0
     arena = replace(hallway, door_every_m=float(rng.uniform(2.2, 5.0)), shine=shine)
-    for solid in _drawn(rng, IN_A_HALLWAY):
-        arena = with_solid(arena, at_a_wall(rng, solid, arena))
-    return arena
+    return _at_walls(rng, arena, IN_A_HALLWAY)
 
 
 def draw_office(rng: Rng) -> Arena:
@@ -109,18 +111,10 @@ def draw_office(rng: Rng) -> Arena:
     room = _empty(rng, (8, 14), (7, 11), (2.4, 3.2), ("carpets", "lino", "lino", "tiles", "boards"))
     arena = replace(room, wall_colours=OFFICE_WALLS, door_every_m=float(rng.uniform(3.0, 9.0)))
     if rng.random() < 0.6:
-        arena = replace(arena, floor_colours=_muted_floor(rng))
-    arena = _crowded(rng, arena, IN_AN_OFFICE, AISLE_M)
-    for solid in _drawn(rng, AT_OFFICE_WALLS):
-        arena = with_solid(arena, at_a_wall(rng, office.muted(rng, solid), arena))
-    return _crowded(rng, arena, ABOUT_AN_OFFICE, CROWDED_GAP_M)
-
-
-def _crowded(rng: Rng, arena: Arena, draws: Draws, gap_m: float) -> Arena:
-    for solid in _drawn(rng, draws):
-        turned = replace(office.muted(rng, solid), turn_rad=float(rng.uniform(0, 2 * np.pi)))
-        arena = with_solid(arena, placed(rng, turned, arena, gap_m))
-    return arena
+        arena = replace(arena, floor_colours=_floor_colours(rng, OFFICE_FLOORS))
+    arena = _furnished(rng, arena, IN_AN_OFFICE, AISLE_M)
+    arena = _at_walls(rng, arena, AT_OFFICE_WALLS)
+    return _furnished(rng, arena, ABOUT_AN_OFFICE, CROWDED_GAP_M)
 
 
 def draw_outdoors(rng: Rng) -> Arena:
@@ -153,13 +147,8 @@ def _empty(rng: Rng, length: Range, width: Range, wall: Range, grounds: Sequence
     return Arena(length_m, width_m, wall_m, False, colours, (), grounds[int(rng.integers(len(grounds)))])
 
 
-def _floor_colours(rng: Rng) -> tuple[str, str, str]:
-    one, two, three = (str(name) for name in rng.choice(FLOOR_COLOURS, 3, replace=False))
-    return (one, two, three)
-
-
-def _muted_floor(rng: Rng) -> tuple[str, str, str]:
-    one, two, three = (str(name) for name in rng.permutation(("grey", "charcoal", "beige")))
+def _floor_colours(rng: Rng, names: Sequence[str] = FLOOR_COLOURS) -> tuple[str, str, str]:
+    one, two, three = (str(name) for name in rng.choice(names, 3, replace=False))
     return (one, two, three)
 
 
@@ -169,10 +158,16 @@ def _drawn(rng: Rng, draws: Draws) -> list[Solid]:
     return [wanted[index](rng) for index in rng.permutation(len(wanted))]
 
 
-def _furnished(rng: Rng, arena: Arena, draws: Draws) -> Arena:
+def _at_walls(rng: Rng, arena: Arena, draws: Draws) -> Arena:
+    for solid in _drawn(rng, draws):
+        arena = with_solid(arena, at_a_wall(rng, solid, arena))
+    return arena
+
+
+def _furnished(rng: Rng, arena: Arena, draws: Draws, gap_m: float = GAP_M) -> Arena:
     for solid in _drawn(rng, draws):
         turned = replace(solid, turn_rad=float(rng.uniform(0, 2 * np.pi)))
-        arena = with_solid(arena, placed(rng, turned, arena))
+        arena = with_solid(arena, placed(rng, turned, arena, gap_m))
     return arena
 
 

@@ -19,7 +19,7 @@ ASK_EVERY = 4
 
 
 class RunningAgreement:
-    """Mean `path_agreement` over the last 16 frames that were asked.
+    """Mean `path_agreement` over the last 16 frames that were asked and said something.
 
     Args:
         params: what paths cost, and what is sure.
@@ -36,18 +36,20 @@ class RunningAgreement:
             view: at the working size.
             p_above: (h, w) in [0, 1], what the heads at all depths say of it.
         """
-        self._found.append(path_agreement(view, p_above, self._params))
+        answer = path_agreement(view, p_above, self._params)
+        if not np.isnan(answer):
+            self._found.append(answer)
         return self.mean()
 
     def mean(self) -> float | None:
         """Of the answers at hand."""
         return mean_agreement(self._found)
 
-    def state(self) -> list[float | None]:
-        """The answers, the oldest first, as JSON takes them: None for a frame that said nothing."""
-        return [None if np.isnan(value) else value for value in self._found]
+    def state(self) -> list[float]:
+        """The answers, the oldest first."""
+        return list(self._found)
 
-    def load(self, state: list[float | None]) -> None:
+    def load(self, state: list[float]) -> None:
         """Take answers in place of those at hand."""
         self._found.clear()
-        self._found.extend(float("nan") if value is None else value for value in state)
+        self._found.extend(state)
