@@ -71,6 +71,21 @@ def test_a_forged_signature_that_looks_like_a_beginning_is_no_garbage(place: int
     assert link.counts == {"bad_signature": 1, "accepted": 2}
 
 
+@pytest.mark.parametrize("marker", [0xFD, 0xFE])
+@pytest.mark.parametrize("place", range(1, 14))
+def test_nor_is_it_in_a_datagram_of_its_own(place: int, marker: int) -> None:
+    mav = codec(key=KEY)
+    forged = bytearray(level(mav, 0))
+    forged[-13:] = bytes(13)
+    forged[-place] = marker
+    line = Line()
+    line.incoming = [bytes(forged), level(mav, 20), b"\xfd\x1c", b"\x00" + level(mav, 40)]
+    link = Link(line, 1, KEY)
+    found = [message.time_boot_ms for _ in range(4) for message in link.receive(0)]
+    assert found == [20, 40]
+    assert link.counts == {"bad_signature": 1, "accepted": 2, "garbage": 2}  # what is none is counted still
+
+
 def test_messages_of_other_dialects_are_passed_over_whole() -> None:
     mav = codec()
     unknown = bytearray(level(mav, 0))

@@ -26,7 +26,7 @@ class Framer:
         >>> decode = lambda frame: [bytes(frame)] if frame.endswith(b"ok") else None
         >>> framer.take(bytes.fromhex("fefdfe0000000000") + b"ok" + b"\\xfd", decode)
         ([b'\\xfe\\x00\\x00\\x00\\x00\\x00ok'], 1)
-        >>> framer.waits
+        >>> framer.forget()
         True
     """
 
@@ -34,14 +34,16 @@ class Framer:
         self._kept = b""
         self._known = 0
 
-    @property
-    def waits(self) -> bool:
-        """Whether the bytes so far end with what may be the beginning of a frame."""
-        return bool(self._kept)
+    def forget(self) -> bool:
+        """Leave out what may be the beginning of a frame, where the next bytes do not continue it.
 
-    def forget(self) -> None:
-        """Leave that beginning out, where the next bytes do not continue it."""
+        Returns:
+            Whether they were bytes of no frame; what only looks like a beginning, inside a whole frame of no
+            use, is not.
+        """
+        unclear = self._known < len(self._kept)
         self._kept, self._known = b"", 0
+        return unclear
 
     def take(self, content: bytes, decode: Decode) -> tuple[list[Any], int]:
         """What `decode` made of the frames that are whole now, and how many stretches of bytes were none.

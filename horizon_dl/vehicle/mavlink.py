@@ -115,10 +115,9 @@ class Link:
 
     def _parsed(self, content: bytes) -> list[Any]:
         found, stretches = self._framer.take(content, self._decoded)
-        if self._transport.whole_messages and self._framer.waits:
+        if self._transport.whole_messages:
             # A datagram holds whole messages: the next one does not continue what is left of this one.
-            stretches += 1
-            self._framer.forget()
+            stretches += self._framer.forget()
         if stretches:
             self.counts[GARBAGE] += stretches
         return found
