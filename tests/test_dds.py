@@ -29,7 +29,7 @@ def sectors() -> FreeDistances:
     seen = np.array([False, True, True, True, False, True, True])
     bearing = np.radians(np.arange(-15, 20, 5)).astype(np.float32)
     zeros = np.zeros(7, np.float32)
-    return FreeDistances(bearing, outcome, metres, zeros, zeros, seen, zeros)
+    return FreeDistances(bearing, outcome, metres, zeros, zeros, zeros, seen, zeros)
 
 
 WANTED = [NAN, math.inf, NAN, 2.0, 0.2, NAN, math.inf]
@@ -49,7 +49,7 @@ def test_what_is_on_the_right_has_a_negative_angle(bearing):
     found = sectors()
     outcome = np.where(np.isclose(np.degrees(found.bearing_rad), bearing, atol=0.1), Outcome.OBSTACLE, 0)
     ones = np.ones(7, np.float32)
-    only = FreeDistances(found.bearing_rad, outcome.astype(np.uint8), ones, ones, ones, ones > 0, ones)
+    only = FreeDistances(found.bearing_rad, outcome.astype(np.uint8), ones, ones, ones, ones, ones > 0, ones)
     scan = scan_message(ros2_types, STAMP, only, 0.2, 10.0)
     index = int(np.flatnonzero(np.isfinite(scan.ranges))[0])
     assert math.degrees(scan.angle_min + index * scan.angle_increment) == pytest.approx(-bearing, abs=1e-3)

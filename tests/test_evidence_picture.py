@@ -11,7 +11,7 @@ from horizon_dl.evidence.damage import channel_is_lost, damage, is_combed, is_to
 from horizon_dl.evidence.exposure import exposure_problem
 from horizon_dl.evidence.horizon_skill import horizon_accuracy
 from horizon_dl.evidence.limits import LIMITS
-from horizon_dl.evidence.place import Place, PlaceCalibration, usual_floor_p
+from horizon_dl.evidence.place import Place, PlaceCalibration, usual_levels
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.evidence.sectors import box_mean, claimed_share, lost_pixels
 from horizon_dl.evidence.sketch import luma, sketch_of
@@ -20,6 +20,7 @@ from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import bearings_for, polar_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.contact import ContactDetectorParams
+from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.ranging.free_distance import Outcome, free_distances
 
 CAMERA = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
@@ -188,6 +189,10 @@ def test_the_limits_survive_the_card() -> None:
         {"ranges": {name: [math.nan, 1.0] for name in FEATURES}},
         {"ranges": dict.fromkeys(FEATURES, "ab")},
         {"ranges": [1, 2]},
+        {"floor_p": 1.5},
+        {"obstacle_p": -0.1},
+        {"obstacle_p": math.nan},
+        {"obstacle_p": "high"},
         {"horizon_offset_rad": 0.1},
         {"horizon_offset_rad": [0.1]},
         {"horizon_offset_rad": [0.1, 0.0]},
@@ -217,16 +222,21 @@ def test_the_usual_floor_is_the_median_of_the_pictures_own_levels() -> None:
     assert found is not None
     assert found.floor_p == pytest.approx(sorted(levels)[2], abs=1e-3)
     assert Place.from_card(found.to_card()).floor_p == found.floor_p
-    assert usual_floor_p(found, 0.5) == found.floor_p
+    assert usual_levels(found, 0.5) == UsualLevels(found.floor_p)
+    told = calibration.place(obstacle_p=0.3)
+    assert told is not None
+    assert usual_levels(Place.from_card(told.to_card()), 0.5) == UsualLevels(found.floor_p, 0.3)
 
 
 def test_a_card_of_before_falls_back_on_the_threshold() -> None:
-    card = {key: value for key, value in place().to_card().items() if key != "floor_p"}
+    without = ("floor_p", "obstacle_p")
+    card = {key: value for key, value in place().to_card().items() if key not in without}
     older = Place.from_card(card)
     assert older.floor_p is None
     # Binary entropy of .11 is .49992 bits.
-    assert usual_floor_p(older, 0.5) == pytest.approx(0.11, abs=1e-3)
-    assert usual_floor_p(None, 0.5) == usual_floor_p(older, 0.5)
+    assert usual_levels(older, 0.5).floor == pytest.approx(0.11, abs=1e-3)
+    assert usual_levels(older, 0.5).obstacle is None
+    assert usual_levels(None, 0.5) == usual_levels(older, 0.5)
 
 
 def smoothed(colour: tuple[int, int, int], seed: int = 0) -> np.ndarray:

@@ -26,7 +26,7 @@ def sectors(metres: list[float] | np.ndarray, height_m: float = 1.0, sd_m: float
     seen = np.ones(len(distance), bool)
     nearest = np.full(len(distance), 0.5, np.float32)
     bearing = BEARINGS.centres_rad[: len(distance)]
-    return FreeDistances(bearing, outcome, distance, sd, depression, seen, nearest)
+    return FreeDistances(bearing, outcome, distance, sd, sd, depression, seen, nearest)
 
 
 FREE = np.full(31, math.inf)

@@ -29,7 +29,14 @@ def sectors(metres: NDArray[np.floating], bearings: Bearings = BEARINGS) -> Free
     n = len(values)
     nothing = np.full(n, np.nan, np.float32)
     return FreeDistances(
-        bearings.centres_rad, outcome, distance, nothing, nothing, np.ones(n, bool), np.ones(n, np.float32)
+        bearings.centres_rad,
+        outcome,
+        distance,
+        nothing,
+        nothing,
+        nothing,
+        np.ones(n, bool),
+        np.ones(n, np.float32),
     )
 
 

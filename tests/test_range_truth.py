@@ -23,6 +23,7 @@ from horizon_dl.metrics.range_truth import (
 from horizon_dl.metrics.ranging import RangingAccumulator
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.readers.registry import open_recording
 
 CAMERA = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
@@ -110,6 +111,7 @@ def distances(outcome: list[int], metres: list[float], contact_seen: list[bool])
         np.array(outcome, np.uint8),
         np.array(metres, np.float32),
         np.full(n, 0.5, np.float32),
+        np.full(n, 1.0, np.float32),
         np.zeros(n, np.float32),
         np.array(contact_seen),
         np.full(n, math.radians(30), np.float32),
@@ -131,7 +133,7 @@ def test_what_counts_as_missed_and_as_false_stop() -> None:
     assert metrics["unknown"] == pytest.approx(1 / 7)
     assert metrics["contact_below_view"] == pytest.approx(2 / 7)
     assert metrics["median_relative_error"] == pytest.approx(0.35, rel=1e-5)  # of 0.1, 0.525, 0.35
-    assert metrics["within_2sd"] == pytest.approx(1 / 3)
+    assert metrics["within_2sd"] == pytest.approx(2 / 3)  # 0.4 nearer, of 0.5; 1.4 beyond, of 1.0; 2.1 not
 
 
 def test_floor_behind_an_obstacle_is_not_free() -> None:
@@ -167,7 +169,7 @@ def test_the_block_of_a_recording(tmp_path: Path) -> None:
     block = RangingBlock(recording.headers)
     p_above = np.where(labels == 2, 0.4, 0.03).astype(np.float32)
     for index in range(2):  # the second has neither labels nor depth
-        block.update(recording.read(index), p_above, floor_p=0.1)
+        block.update(recording.read(index), p_above, usual=UsualLevels(0.1))
     metrics = block.compute()
     assert metrics["interval_m"] == [0.7, 4.0]
     for one in (metrics, metrics["connected"], metrics["true_floor"]):

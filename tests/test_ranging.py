@@ -14,16 +14,18 @@ from horizon_dl.geometry.polar import Bearings, directions_to_polar, level_axes,
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.contact import ContactDetectorParams, first_contact, first_rise
 from horizon_dl.ranging.free_distance import (
+    FreeDistances,
     Outcome,
     RangingParams,
     distance_sd,
     free_distances,
     free_distances_from_p,
     no_distances,
-    p_of_entropy,
 )
 from horizon_dl.ranging.in_the_way import connected_to_top
+from horizon_dl.ranging.usual_levels import LEAST_CONTRAST, MOST_CONTRAST, USUAL_CONTRAST, UsualLevels
 from horizon_dl.ranging.vehicle_height import CAMERA_ALONE
+from horizon_dl.uncertainty.measures import p_of_entropy
 
 PINHOLE = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)
 RADTAN = Camera("radtan", 160, 120, 120.0, 118.0, 81.0, 60.0, (-0.25, 0.06, 0.001, -0.001, 0.0))
@@ -69,7 +71,10 @@ def test_free_is_no_farther_than_the_camera_sees(pitch: float) -> None:
     assert not wall.any()
     p = np.full(wall.shape, 0.1, np.float32)
     top_m = 1.5 / math.tan(math.radians(-pitch) - math.atan(60 / 120))  # straight ahead, by hand
-    for found in (free_distances(wall, polar, 1.5), free_distances_from_p(p, polar, 1.5, floor_p=0.15)):
+    for found in (
+        free_distances(wall, polar, 1.5),
+        free_distances_from_p(p, polar, 1.5, usual=UsualLevels(0.15)),
+    ):
         ahead = np.abs(found.bearing_rad) < math.radians(1.5)
         assert (found.outcome[ahead] == Outcome.FREE).all()
         np.testing.assert_allclose(found.distance_m[ahead], top_m, rtol=0.03)
@@ -255,7 +260,7 @@ def test_the_contact_is_a_rise_over_the_floors_own_level(floor: float, obstacle:
     directions, up = camera_rays(PINHOLE).directions, up_of(15, -15)
     polar = polar_view(directions, up, bearings=BEARINGS)
     p = noisy_p(wall_map(directions, up, 1.2, 4.0), floor, obstacle)
-    found = free_distances_from_p(p, polar, 1.2, floor_p=0.25)
+    found = free_distances_from_p(p, polar, 1.2, usual=UsualLevels(0.25))
     inside = found.nearest_rad > math.radians(25)
     assert inside.sum() >= 10
     assert (found.outcome[inside] == Outcome.OBSTACLE).all()
@@ -266,8 +271,8 @@ def test_a_map_that_cannot_tell_the_sides_is_an_obstacle_whatever_the_usual_floo
     directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
     polar = polar_view(directions, up, bearings=BEARINGS)
     middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
-    for usual in (0.05, 0.3, 0.45):
-        found = free_distances_from_p(np.full((120, 160), 0.5, np.float32), polar, 1.0, floor_p=usual)
+    for usual in map(UsualLevels, (0.05, 0.3, 0.45)):
+        found = free_distances_from_p(np.full((120, 160), 0.5, np.float32), polar, 1.0, usual=usual)
         assert (found.outcome[middle] == Outcome.OBSTACLE).all()
 
 
@@ -276,9 +281,9 @@ def test_an_even_floor_is_free_and_a_view_full_of_wall_is_not() -> None:
     polar = polar_view(directions, up, bearings=BEARINGS)
     wall = np.ones((120, 160), bool)
     middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
-    floor = free_distances_from_p(noisy_p(~wall, 0.1, 0.4), polar, 1.0, floor_p=0.15)
+    floor = free_distances_from_p(noisy_p(~wall, 0.1, 0.4), polar, 1.0, usual=UsualLevels(0.15))
     assert (floor.outcome[middle] == Outcome.FREE).mean() > 0.9
-    full = free_distances_from_p(noisy_p(wall, 0.1, 0.45), polar, 1.0, floor_p=0.15)
+    full = free_distances_from_p(noisy_p(wall, 0.1, 0.45), polar, 1.0, usual=UsualLevels(0.15))
     assert (full.outcome[middle] == Outcome.OBSTACLE).all()
     assert not full.contact_seen[middle].any()
 
@@ -301,7 +306,7 @@ def test_a_gap_of_floor_between_walls_is_enough_to_know_the_walls() -> None:
 def test_pixels_that_say_nothing_are_left_out() -> None:
     directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
     polar = polar_view(directions, up, bearings=BEARINGS)
-    found = free_distances_from_p(np.full((120, 160), np.nan, np.float32), polar, 1.0, floor_p=0.1)
+    found = free_distances_from_p(np.full((120, 160), np.nan, np.float32), polar, 1.0, usual=UsualLevels(0.1))
     assert (found.outcome == Outcome.UNKNOWN).all()
 
 
@@ -311,8 +316,8 @@ def test_connected_only_passes_a_mat_in_p_above() -> None:
     beyond_2, beyond_3, wall = (wall_map(directions, up, 1.0, d) for d in (2.0, 3.0, 8.0))
     p = noisy_p((beyond_2 & ~beyond_3) | wall, 0.08, 0.4)
     middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
-    everything = free_distances_from_p(p, polar, 1.0, floor_p=0.15)
-    connected = free_distances_from_p(p, polar, 1.0, floor_p=0.15, vehicle=CAMERA_ALONE)
+    everything = free_distances_from_p(p, polar, 1.0, usual=UsualLevels(0.15))
+    connected = free_distances_from_p(p, polar, 1.0, usual=UsualLevels(0.15), vehicle=CAMERA_ALONE)
     assert np.median(everything.distance_m[middle]) == pytest.approx(2.0, rel=0.06)
     assert np.median(connected.distance_m[middle]) == pytest.approx(8.0, rel=0.15)
 
@@ -339,6 +344,64 @@ def test_the_rise_test_against_a_plain_loop() -> None:
                 break
         assert contact[column] == expected
     assert np.abs(np.median(contact) - 24) <= 1
+
+
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0))
+def test_the_rise_grows_with_how_far_obstacles_stand_out(floor: float, obstacle: float) -> None:
+    usual, rules = UsualLevels(floor, obstacle), ContactDetectorParams()
+    assert rules.scaled_to(UsualLevels(floor)) == rules
+    assert LEAST_CONTRAST <= usual.contrast <= MOST_CONTRAST
+    assert rules.scaled_to(usual).rise == pytest.approx(rules.rise * usual.contrast / USUAL_CONTRAST)
+    p, q = (np.clip(one, 0.001, 0.999) for one in (floor, obstacle))
+    stands_out = math.log(q * (1 - p) / (p * (1 - q)))  # reference: the log of the odds' ratio
+    if LEAST_CONTRAST < stands_out < MOST_CONTRAST:
+        assert usual.contrast == pytest.approx(stands_out, abs=1e-6)
+
+
+def test_what_rises_little_is_no_obstacle_where_obstacles_stand_out() -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
+    patch = wall_map(directions, up, 1.2, 2.5) & ~wall_map(directions, up, 1.2, 4.0)
+    p = np.where(wall_map(directions, up, 1.2, 4.0), 0.4, np.where(patch, 0.135, 0.08)).astype(np.float32)
+    faint = free_distances_from_p(p, polar, 1.2, usual=UsualLevels(0.08, 0.13)).distance_m[middle]
+    clear = free_distances_from_p(p, polar, 1.2, usual=UsualLevels(0.08, 0.3)).distance_m[middle]
+    np.testing.assert_allclose(np.median(faint), 2.5, rtol=0.06)
+    np.testing.assert_allclose(np.median(clear), 4.0, rtol=0.06)
+
+
+def view_of_a_hall(
+    nearest_p: float, floor_p: float, wall_m: float
+) -> tuple[NDArray[np.bool_], FreeDistances]:
+    """Sectors straight ahead, and what is said of ground that a net doubts at its nearest 1.5 m."""
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, -15)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
+    near = ~wall_map(directions, up, 1.2, 2.9)
+    p = np.where(wall_map(directions, up, 1.2, wall_m), 0.45, np.where(near, nearest_p, floor_p))
+    return middle, free_distances_from_p(p.astype(np.float32), polar, 1.2, usual=UsualLevels(0.05))
+
+
+def test_ground_that_is_doubted_up_to_the_camera_may_be_floor() -> None:
+    middle, found = view_of_a_hall(nearest_p=0.2, floor_p=0.1, wall_m=6.0)
+    assert not found.contact_seen[middle].any()
+    assert (found.distance_m[middle] < 2.6).all()  # the nearest ground in view
+    reach = (found.distance_m + 2 * found.sd_beyond_m)[middle]
+    assert (reach > 5.7).all()
+    assert (reach < 9.0).all()
+    assert (found.sd_m[middle] < 0.3 * found.distance_m[middle]).all()
+
+
+def test_a_wall_that_fills_the_view_is_no_farther_than_it_looks() -> None:
+    middle, found = view_of_a_hall(nearest_p=0.45, floor_p=0.45, wall_m=6.0)
+    assert not found.contact_seen[middle].any()
+    np.testing.assert_array_equal(found.sd_beyond_m[middle], found.sd_m[middle])
+
+
+def test_a_contact_that_is_seen_has_one_deviation() -> None:
+    middle, found = view_of_a_hall(nearest_p=0.05, floor_p=0.05, wall_m=6.0)
+    assert found.contact_seen[middle].all()
+    np.testing.assert_array_equal(found.sd_beyond_m, found.sd_m)
 
 
 @pytest.mark.parametrize("p", [0.001, 0.1, 0.3, 0.5])

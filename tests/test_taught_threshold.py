@@ -10,7 +10,7 @@ from toy import write_toy_set
 from horizon_dl.cli import main
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.schemas.metrics import Metrics
-from horizon_dl.uncertainty.taught_threshold import OBSTACLE, TaughtThreshold
+from horizon_dl.uncertainty.taught_threshold import FALSE_POSITIVE_WEIGHT, TaughtThreshold
 
 
 def taught_threshold(frames) -> float | None:
@@ -21,21 +21,25 @@ def taught_threshold(frames) -> float | None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_it_is_youdens_point_of_scikit_learns_curve(seed):
+def test_it_is_the_weighted_youdens_point_of_scikit_learns_curve(seed):
     rng = np.random.default_rng(seed)
     p = rng.random(4000)
     entropy = (0.6 * p + 0.4 * rng.random(4000)).clip(0, 1)
     entropy[::50] = np.nan
     found = taught_threshold([(entropy[:1500], p[:1500]), (entropy[1500:], p[1500:])])
-    known = ~np.isnan(entropy)
-    fpr, tpr, _ = roc_curve(p[known] >= OBSTACLE, entropy[known])
-    said, truth = entropy[known] > found, p[known] >= OBSTACLE
-    assert said[truth].mean() - said[~truth].mean() == pytest.approx((tpr - fpr).max(), abs=2e-3)
+    entropy, p = entropy[~np.isnan(entropy)], p[~np.isnan(entropy)]
+    # Every pixel twice: as an obstacle with the teacher's probability for weight, as floor with the rest.
+    kinds, weights = np.repeat([True, False], len(p)), np.concatenate([p, 1 - p])
+    fpr, tpr, _ = roc_curve(kinds, np.tile(entropy, 2), sample_weight=weights)
+    said = entropy > found
+    gain = np.average(said, weights=p) - FALSE_POSITIVE_WEIGHT * np.average(said, weights=1 - p)
+    assert gain == pytest.approx((tpr - FALSE_POSITIVE_WEIGHT * fpr).max(), abs=2e-3)
 
 
 def test_a_teacher_that_knows_one_kind_gives_none():
-    assert taught_threshold([(np.array([0.3, 0.5]), np.array([0.9, 0.8]))]) is None
-    assert taught_threshold([(np.array([0.3, 0.5]), np.array([0.0, 0.1]))]) is None
+    assert taught_threshold([(np.array([0.3, 0.5]), np.array([1.0, 1.0]))]) is None
+    assert taught_threshold([(np.array([0.3, 0.5]), np.array([0.0, 0.0]))]) is None
+    assert taught_threshold([(np.array([0.3, 0.5]), np.array([0.7, 0.7]))]) is None
     assert taught_threshold([]) is None
     upside_down = np.linspace(0, 1, 101)
     assert taught_threshold([(upside_down, 1 - upside_down)]) is None

@@ -18,7 +18,7 @@ def ranged(outcome: int, metres: float) -> Ranged:
     bearings = np.radians(np.arange(-29.5, 30)).astype(np.float32)
     alike = np.full(60, metres, np.float32)
     outcomes, seen = np.full(60, outcome, np.uint8), np.ones(60, bool)
-    found = FreeDistances(bearings, outcomes, alike, alike, alike, seen, alike)
+    found = FreeDistances(bearings, outcomes, alike, alike, alike, alike, seen, alike)
     return Ranged(found, None, np.array([0.0, -1.0, 0.0]))
 
 

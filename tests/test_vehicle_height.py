@@ -19,6 +19,7 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.free_distance import FreeDistances, Outcome, free_distances, free_distances_from_p
+from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.ranging.vehicle_height import CAMERA_ALONE, VehicleHeight
 from horizon_dl.simulation.embedded import embedded_set
 
@@ -60,7 +61,7 @@ def found_of(camera_deg: float, obstacle_of: Any, vehicle: VehicleHeight | None)
     up = up_in_camera(quaternion_from_rpy(0.0, math.radians(-camera_deg), 0.0), (0.0, 0.0, 0.0))
     polar = polar_view(DIRECTIONS, up, bearings=Bearings(30, math.radians(2.0)))
     p_above = np.where(obstacle_of(up), 0.6, 0.03).astype(np.float32)
-    return polar, free_distances_from_p(p_above, polar, HEIGHT_M, floor_p=0.1, vehicle=vehicle)
+    return polar, free_distances_from_p(p_above, polar, HEIGHT_M, usual=UsualLevels(0.1), vehicle=vehicle)
 
 
 def wall(distance_m: float, thing_m: float) -> Any:
@@ -99,7 +100,9 @@ def test_what_the_pictures_upper_rim_cuts_off_blocks(
 def test_behind_a_low_thing_a_high_one_is_found(below_m: float) -> None:
     both = ring(1.8, 0.2) | ring(4.0, 2.0)
     p_above = np.where(both, 0.6, 0.03).astype(np.float32)
-    found = free_distances_from_p(p_above, POLAR, HEIGHT_M, floor_p=0.1, vehicle=VehicleHeight(below_m, 0.0))
+    found = free_distances_from_p(
+        p_above, POLAR, HEIGHT_M, usual=UsualLevels(0.1), vehicle=VehicleHeight(below_m, 0.0)
+    )
     np.testing.assert_allclose(found.distance_m[MIDDLE], 4.0, rtol=0.1)
 
 

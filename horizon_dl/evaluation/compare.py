@@ -37,11 +37,11 @@ from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
 from horizon_dl.ranging.vehicle_height import VehicleHeight
-from horizon_dl.training.context import agreement_of, all_depths
+from horizon_dl.training.context import agreement_of
 from horizon_dl.training.evenly import evenly
 from horizon_dl.training.evidence import place_of
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.training.thresholds import thresholds_of
+from horizon_dl.training.thresholds import paper_threshold_of
 from horizon_dl.training.train import evidence_of, train_net
 from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
@@ -208,16 +208,14 @@ def _offline(task: _Task) -> Learned:
     train_s: dict[str, float] = {}
     net: HorizonFCN | None = None
     evidence: dict[str, Any] = {}
-    simulated_threshold: float | None = None
     start = time.perf_counter()
     if NET in learners:
         net = train_net(store, split.train, seed=seed, progress=task.progress)
         train_s[NET] = time.perf_counter() - start
-        # What is drawn is what would be flown, so the net's evidence is needed before the first frame.
-        evidence = evidence_of(net, store, split.train) if task.on_frame else {}
-        said = evidence or {"path_agreement": agreement_of(all_depths(net), store, split.train)}
-        methods[NET] = NetMethod(net, store.config.geodesic, said["path_agreement"])
-        thresholds[NET], simulated_threshold = thresholds_of(net, store, split.train)
+        # What is drawn and ranged is what would be flown: by the net's evidence.
+        evidence = evidence_of(net, store, split.train)
+        methods[NET] = NetMethod(net, store.config.geodesic, evidence["path_agreement"])
+        thresholds[NET] = paper_threshold_of(net, store, split.train)
     start = time.perf_counter()
     if FOREST in learners:
         forest = fit_forest(store, split.train, seed, task.workers)
@@ -232,7 +230,7 @@ def _offline(task: _Task) -> Learned:
     for name, seconds in train_s.items():
         accumulators[name].train_s = seconds
     if net is not None:
-        accumulators[NET].simulated_threshold = simulated_threshold
+        accumulators[NET].simulated_threshold = evidence["simulated_threshold"]
     return accumulators, net, evidence
 
 

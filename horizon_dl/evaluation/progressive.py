@@ -14,7 +14,7 @@ from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.evaluation.protocols import WARM_UP_FRAMES
 from horizon_dl.evaluation.scoring import ScoredFrame, count_frame
-from horizon_dl.evidence.place import usual_floor_p
+from horizon_dl.evidence.place import usual_levels
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.registry import NET
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
@@ -82,8 +82,8 @@ class ProgressiveValidation:
             thresholds = {name: self.thresholds[name].compute() for name in maps}
             scored = ScoredFrame(frame, view, maps, thresholds)
             count_frame(self.accumulators, scored, self._band_rad)
-            floor_p = usual_floor_p(None, thresholds[self._ranged])
-            self.ranging.update(frame, maps[self._ranged][P_ABOVE], floor_p)
+            usual = usual_levels(None, thresholds[self._ranged])
+            self.ranging.update(frame, maps[self._ranged][P_ABOVE], usual)
             self.tested += 1
         elif index >= WARM_UP_FRAMES:
             for name, found in maps.items():

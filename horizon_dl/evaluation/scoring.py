@@ -12,7 +12,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
-from horizon_dl.evidence.place import Place, usual_floor_p
+from horizon_dl.evidence.place import Place, usual_levels
 from horizon_dl.methods.learners import Method
 from horizon_dl.methods.registry import NET
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
@@ -125,8 +125,8 @@ def watching(ranging: RangingBlock, on_frame: OnFrame | None, learner: str = NET
     """`on_frame` that also ranges by what a learner says."""
 
     def watch(scored: ScoredFrame) -> None:
-        floor_p = usual_floor_p(scored.places.get(learner), scored.thresholds[learner])
-        ranging.update(scored.frame, scored.maps[learner][P_ABOVE], floor_p)
+        usual = usual_levels(scored.places.get(learner), scored.thresholds[learner])
+        ranging.update(scored.frame, scored.maps[learner][P_ABOVE], usual)
         if on_frame:
             on_frame(scored)
 

@@ -15,7 +15,8 @@ from horizon_dl.evidence.horizon_offset import horizon_offset
 from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 from horizon_dl.evidence.sectors import lost_pixels
 from horizon_dl.ranging.contact import ContactDetectorParams
-from horizon_dl.ranging.free_distance import p_of_entropy
+from horizon_dl.ranging.usual_levels import UsualLevels
+from horizon_dl.uncertainty.measures import p_of_entropy
 
 LEVELS = 16
 """Of each channel; a colour is familiar if it or a neighbour among 16 x 16 x 16 was seen."""
@@ -44,6 +45,8 @@ class Place:
             before it was kept.
         offset_rad: between the horizons of net and attitude on them, least and greatest without a twentieth
             of the pictures on either side; None as of `floor_p`.
+        obstacle_p: `p_above` from where on a pixel is likelier an obstacle's, see `UsualLevels`; None as of
+            `floor_p`.
         flat: (16, 16, 16) bool, colours that ground without any change from pixel to pixel often had, as in
             films that a codec has smoothed; never black, nor with a full channel. None as of `floor_p`.
     """
@@ -56,6 +59,7 @@ class Place:
     floor_p: float | None = None
     offset_rad: tuple[float, float] | None = None
     flat: NDArray[np.bool_] | None = None
+    obstacle_p: float | None = None
 
     def strangeness(self, features: NDArray[np.floating]) -> tuple[float, str]:
         """How far a picture lies outside of the ranges, in ranges, and by which feature; 0 inside.
@@ -98,6 +102,7 @@ class Place:
             "frames": self.frames,
             "horizon_accuracy": self.horizon_accuracy,
             "floor_p": self.floor_p,
+            "obstacle_p": self.obstacle_p,
             "horizon_offset_rad": None if self.offset_rad is None else list(self.offset_rad),
             "ranges": {name: [a, b] for name, a, b in zip(FEATURES, self.low, self.high, strict=True)},
             "colours": _to_hex(self.colours),
@@ -119,18 +124,19 @@ class Place:
             colours = _from_hex(card["colours"])
             flat = None if card.get("flat") is None else _from_hex(card["flat"])
             frames, accuracy = int(card["frames"]), float(card["horizon_accuracy"])
-            floor_p = None if card.get("floor_p") is None else float(card["floor_p"])
+            levels = [card.get("floor_p"), card.get("obstacle_p")]
+            floor_p, obstacle_p = (None if level is None else float(level) for level in levels)
             offset = card.get("horizon_offset_rad")
             offset = None if offset is None else (float(offset[0]), float(offset[1]))
         except (LookupError, TypeError, ValueError):
             raise ValueError("has damaged evidence limits") from None
         good = ranges.shape == (len(FEATURES), 2) and np.isfinite(ranges).all()
-        good = good and 0 <= accuracy <= 1 and (floor_p is None or 0 <= floor_p <= 1)
+        good = good and 0 <= accuracy <= 1 and all(p is None or 0 <= p <= 1 for p in (floor_p, obstacle_p))
         good = good and (offset is None or -np.pi <= offset[0] <= offset[1] <= np.pi)
         if not good or (ranges[:, 0] > ranges[:, 1]).any() or frames < 1:
             raise ValueError("has damaged evidence limits")
         low, high = ranges.T.tolist()
-        return cls(tuple(low), tuple(high), colours, frames, accuracy, floor_p, offset, flat)
+        return cls(tuple(low), tuple(high), colours, frames, accuracy, floor_p, offset, flat, obstacle_p)
 
 
 @dataclass
@@ -163,8 +169,12 @@ class PlaceCalibration:
         self._counts += _colour_counts(image[below])
         self._flat += _colour_counts(image[below & lost_pixels(image)])
 
-    def place(self) -> Place | None:
-        """What was collected; None without a picture that shows both sides of the horizon."""
+    def place(self, obstacle_p: float | None = None) -> Place | None:
+        """What was collected; None without a picture that shows both sides of the horizon.
+
+        Args:
+            obstacle_p: see `Place`.
+        """
         if not self._features:
             return None
         features = np.stack(self._features)
@@ -181,6 +191,7 @@ class PlaceCalibration:
             float(np.median(self._floors)) if self._floors else None,
             (float(np.nanpercentile(self._offsets, 5)), float(np.nanpercentile(self._offsets, 95))),
             self._usually_flat(),
+            obstacle_p,
         )
 
     def _usually_flat(self) -> NDArray[np.bool_]:
@@ -191,15 +202,16 @@ class PlaceCalibration:
         return flat
 
 
-def usual_floor_p(place: Place | None, threshold: float) -> float:
-    """`p_above` that the floor usually has: of the training pictures, else the most that a floor may have.
+def usual_levels(place: Place | None, threshold: float) -> UsualLevels:
+    """What a learner usually says of the training pictures; of the floor else the most that it may have.
 
     Args:
         place: what the training pictures were like, where that was kept.
         threshold: the paper's, bits.
     """
-    known = None if place is None else place.floor_p
-    return p_of_entropy(threshold) if known is None else known
+    if place is None or place.floor_p is None:
+        return UsualLevels(p_of_entropy(threshold))
+    return UsualLevels(place.floor_p, place.obstacle_p)
 
 
 def _looked_up(table: NDArray[np.bool_], image: NDArray[np.uint8]) -> NDArray[np.bool_]:

@@ -20,6 +20,7 @@ from horizon_dl.ranging.free_distance import (
     free_distances,
     free_distances_from_p,
 )
+from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.ranging.vehicle_height import CAMERA_ALONE, VehicleHeight
 
 Floats = NDArray[np.float32]
@@ -44,7 +45,7 @@ class RangingAccumulator:
         bearings: sectors, zero is the optical axis.
         rules: of the ranging.
         relative: errors of the measured bearings as shares of the true distance, frame by frame.
-        within_2sd: whether they were within twice the stated standard deviation.
+        within_2sd: whether they were within twice the standard deviation that is stated for their side.
         counts: bearings with a true distance; of them with a contact below the view, unknown, missed, and
             false stops.
     """
@@ -66,7 +67,7 @@ class RangingAccumulator:
         range_m: Floats,
         *,
         known: NDArray[np.bool_] | None = None,
-        floor_p: float | None = None,
+        usual: UsualLevels | None = None,
     ) -> FreeDistances | None:
         """Count one frame.
 
@@ -75,7 +76,7 @@ class RangingAccumulator:
             found: (h, w) at any size of the frame's aspect: an obstacle map (bool) or `p_above` (float).
             range_m: (h', w') of `level_ranges`.
             known: (h, w) pixels of an obstacle map that say anything; all if left out.
-            floor_p: for `p_above`, see `free_distances_from_p`.
+            usual: for `p_above`, see `free_distances_from_p`.
         """
         up_cam = frame.floor_normal
         if up_cam is None or frame.height_m is None or frame.truth is None:
@@ -90,7 +91,7 @@ class RangingAccumulator:
             distances = free_distances(found.astype(np.bool_), polar, height_m, known=known, **options)
         else:
             p_above = found.astype(np.float32)
-            distances = free_distances_from_p(p_above, polar, height_m, floor_p=floor_p, **options)
+            distances = free_distances_from_p(p_above, polar, height_m, usual=usual, **options)
         self.count(distances, truth_m, height_m)
         return distances
 
@@ -108,9 +109,10 @@ class RangingAccumulator:
             false_stop = met & (distance < FALSE_STOP_FACTOR * truth)
         self.counts += [len(truth), (~in_view).sum(), unknown.sum(), missed.sum(), false_stop.sum()]
         measured = met & in_view
-        error = np.abs(distance[measured] - truth[measured])
-        self.relative.append((error / truth[measured]).astype(np.float32))
-        self.within_2sd.append(error <= 2 * found.sd_m[used][measured])
+        beyond = truth[measured] - distance[measured]
+        sd_m = np.where(beyond > 0, found.sd_beyond_m[used][measured], found.sd_m[used][measured])
+        self.relative.append((np.abs(beyond) / truth[measured]).astype(np.float32))
+        self.within_2sd.append(np.abs(beyond) <= 2 * sd_m)
 
     def merge(self, other: "RangingAccumulator") -> None:
         """See `Metric`; the other has the same interval."""

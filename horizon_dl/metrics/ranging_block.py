@@ -11,6 +11,7 @@ from horizon_dl.metrics.metric import State, joined_states, part_of
 from horizon_dl.metrics.range_truth import level_ranges, true_obstacles
 from horizon_dl.metrics.ranging import RangingAccumulator
 from horizon_dl.ranging.free_distance import RangingParams
+from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.ranging.vehicle_height import CAMERA_ALONE, VehicleHeight
 
 INDOORS_M = (0.7, 4.0)
@@ -34,7 +35,7 @@ class RangingBlock:
 
     Example:
         >>> block = RangingBlock(recording.headers)                    # doctest: +SKIP
-        >>> block.update(frame, p_above, floor_p)                 # doctest: +SKIP
+        >>> block.update(frame, p_above, usual)                 # doctest: +SKIP
         >>> metrics["ranging"] = block.compute()               # doctest: +SKIP
     """
 
@@ -55,20 +56,20 @@ class RangingBlock:
         if vehicle is not None:
             self.accumulators["vehicle"] = RangingAccumulator(near_m, far_m, vehicle, True, rules=rules)
 
-    def update(self, frame: Frame, p_above: NDArray[np.float32], floor_p: float) -> None:
+    def update(self, frame: Frame, p_above: NDArray[np.float32], usual: UsualLevels) -> None:
         """Count one frame; those without range, truth, attitude or height are left out.
 
         Args:
             frame: of the recording.
             p_above: (h, w) a learner's, at any size of the frame's aspect.
-            floor_p: what the learner usually says of a floor, in [0, 1]; see `usual_floor_p`.
+            usual: what the learner usually says of floor and obstacles.
         """
         range_m = level_ranges(frame)
         if range_m is None or frame.truth is None:
             return
         for name, accumulator in self.accumulators.items():
             if name != "true_floor":
-                accumulator.update(frame, p_above, range_m, floor_p=floor_p)
+                accumulator.update(frame, p_above, range_m, usual=usual)
         if frame.up_cam is not None:
             true_floor = self.accumulators["true_floor"]
             not_free, known = true_obstacles(frame, range_m, true_floor.bearings)

@@ -20,14 +20,14 @@ from horizon_dl.ranging.contact import (
     first_contact,
     first_rise,
     floor_level,
+    nearest_level,
 )
 from horizon_dl.ranging.in_the_way import in_the_way
+from horizon_dl.ranging.usual_levels import SURE, UsualLevels
 from horizon_dl.ranging.vehicle_height import VehicleHeight
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
-
-SURE = 1e-3
 
 
 class Outcome(IntEnum):
@@ -83,7 +83,9 @@ class FreeDistances:
         distance_m: level distance from the camera to the obstacle's ground contact; where free, that of the
             farthest ground in view: inf up to the horizon, less where the camera looks down. NaN where
             unknown, and without a height.
-        sd_m: its standard deviation; NaN where there is no finite distance.
+        sd_m: its standard deviation towards the camera; NaN where there is no finite distance.
+        sd_beyond_m: and away from it: more where the contact is not seen, as the ground that is taken for an
+            obstacle may be floor.
         depression_rad: of the contact, or of the farthest ground in view where free; NaN where unknown.
         contact_seen: False where the obstacle covers the nearest visible ground: it is at most that far away.
         nearest_rad: depression of the nearest ground that the camera sees; 0 outside of its view.
@@ -93,6 +95,7 @@ class FreeDistances:
     outcome: NDArray[np.uint8]
     distance_m: Floats
     sd_m: Floats
+    sd_beyond_m: Floats
     depression_rad: Floats
     contact_seen: Mask
     nearest_rad: Floats
@@ -140,7 +143,7 @@ def free_distances_from_p(
     polar: PolarView,
     height_m: float | None,
     *,
-    floor_p: float | None = None,
+    usual: UsualLevels | None = None,
     vehicle: VehicleHeight | None = None,
     rules: RangingParams | None = None,
 ) -> FreeDistances:
@@ -153,39 +156,30 @@ def free_distances_from_p(
         p_above: (h, w) in [0, 1], NaN where nothing is said.
         polar: the same frame's cells.
         height_m: see `free_distances`.
-        floor_p: `p_above` that the floor usually has (`usual_floor_p`); without it a frame full of wall
-            passes for floor.
+        usual: what the learner usually says of floor and obstacles (`evidence.place.usual_levels`); without
+            it a frame full of wall passes for floor.
         vehicle: see `free_distances`.
         rules: see `free_distances`.
     """
     rules = rules or RangingParams()
+    rise = rules.rise if usual is None else rules.rise.scaled_to(usual)
     mean, seen = polar.means(p_above)
-    logit = _logit(mean)
-    _, unseen = _window_and_unseen(polar, rules)
-    level = floor_level(logit[:, unseen:], seen[:, unseen:], _usual(floor_p), rules.rise)
-    contact, alarm, floor = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
-    cells = seen & (logit > rules.rise.obstacle_level(floor)[:, None])
+    logits = _logits(mean)
+    window, unseen = _window_and_unseen(polar, rules)
+    level = floor_level(logits[:, unseen:], seen[:, unseen:], usual, rise)
+    contact, alarm, floor = first_rise(logits, seen, level, polar.row_step_rad, rise, unseen)
+    cells = seen & (logits > rise.obstacle_level(floor)[:, None])
     if vehicle is not None:
-        foot_seen = _foot_seen(seen, contact, _window_and_unseen(polar, rules)[0])
+        foot_seen = _foot_seen(seen, contact, window)
         cells = in_the_way(cells, seen, contact, foot_seen, polar, height_m, vehicle, rules.horizon_rad)
-        logit = np.where(cells, logit, np.minimum(logit, floor[:, None]))
-        contact, alarm, _ = first_rise(logit, seen, level, polar.row_step_rad, rules.rise, unseen)
+        logits = np.where(cells, logits, np.minimum(logits, floor[:, None]))
+        contact, alarm, _ = first_rise(logits, seen, level, polar.row_step_rad, rise, unseen)
     # A slow rise leaves the contact in doubt by all its length.
     doubt = (contact - alarm).astype(np.float32)
     found = _from_contacts(polar, seen, cells, contact, height_m, rules, doubt)
-    of_map = np.where(found.outcome == Outcome.OBSTACLE, rules.rise.distance_sd * found.distance_m, 0.0)
-    return replace(found, sd_m=np.hypot(found.sd_m, of_map).astype(np.float32))
-
-
-def p_of_entropy(entropy: float) -> float:
-    """The p in [0, 1/2] of a binary entropy in bits.
-
-    Example:
-        >>> round(p_of_entropy(0.4690), 3)
-        0.1
-    """
-    p = np.linspace(1e-6, 0.5, 20001)
-    return float(np.interp(entropy, -p * np.log2(p) - (1 - p) * np.log2(1 - p), p))
+    of_map = np.where(found.outcome == Outcome.OBSTACLE, rise.distance_sd * found.distance_m, 0.0)
+    found = replace(found, sd_m=np.hypot(found.sd_m, of_map).astype(np.float32))
+    return replace(found, sd_beyond_m=_sd_beyond(found, logits, seen, level, polar, rise, unseen))
 
 
 def no_distances(bearing_rad: Floats) -> FreeDistances:
@@ -194,16 +188,40 @@ def no_distances(bearing_rad: Floats) -> FreeDistances:
     outcome = np.full(len(bearing_rad), Outcome.UNKNOWN, np.uint8)
     unseen = np.zeros(len(bearing_rad), np.bool_)
     zero = np.zeros(len(bearing_rad), np.float32)
-    return FreeDistances(bearing_rad, outcome, nothing, nothing, nothing, unseen, zero)
+    return FreeDistances(bearing_rad, outcome, nothing, nothing, nothing, nothing, unseen, zero)
 
 
-def _usual(floor_p: float | None) -> float | None:
-    return None if floor_p is None else float(_logit(np.array([floor_p], np.float32))[0])
-
-
-def _logit(p: Floats) -> Floats:
+def _logits(p: Floats) -> Floats:
     clipped = np.clip(p, SURE, 1 - SURE)
     return np.asarray(np.log(clipped / (1 - clipped)), np.float32)
+
+
+def _sd_beyond(
+    found: FreeDistances,
+    logits: Floats,
+    seen: Mask,
+    level: float,
+    polar: PolarView,
+    rules: ContactDetectorParams,
+    unseen: int,
+) -> Floats:
+    """(sectors,) the deviation away from the camera, m.
+
+    Where all ground in view is taken for an obstacle, a net may only doubt it: then two deviations reach the
+    contact that is found if the nearest ground is floor, or the farthest ground that is looked at.
+    """
+    covered = (found.outcome == Outcome.OBSTACLE) & ~found.contact_seen & np.isfinite(found.distance_m)
+    sd_m = found.sd_m.copy()
+    if not covered.any():
+        return sd_m
+    own, known = logits[covered], seen[covered]
+    levels = np.maximum(nearest_level(own, known, polar.row_step_rad), level)
+    contact, _, _ = first_rise(own, known, levels, polar.row_step_rad, rules, unseen)
+    depression = (np.where(contact >= 0, contact, unseen) + 1) * polar.row_step_rad
+    there_m = found.distance_m[covered] * np.tan(found.depression_rad[covered]) / np.tan(depression)
+    beyond_m = np.maximum(there_m - found.distance_m[covered], 0.0)
+    sd_m[covered] = np.hypot(sd_m[covered], beyond_m / 2)
+    return sd_m
 
 
 def _window_and_unseen(polar: PolarView, rules: RangingParams) -> tuple[int, int]:
@@ -289,6 +307,7 @@ def _in_metres(
         polar.bearings.centres_rad,
         outcome,
         np.where(to_horizon, np.inf, distance).astype(np.float32),
+        sd.astype(np.float32),
         sd.astype(np.float32),
         depression.astype(np.float32),
         outcome == Outcome.OBSTACLE,

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.evaluation.scoring import ScoredFrame
-from horizon_dl.evidence.place import usual_floor_p
+from horizon_dl.evidence.place import usual_levels
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.range_truth import level_ranges, true_distances
 from horizon_dl.metrics.ranging import EVALUATION_BEARINGS, RangingAccumulator
@@ -111,7 +111,7 @@ class ComparisonLog:
         p_above, threshold = scored.maps[learner][P_ABOVE], scored.thresholds[learner]
         accumulator = RangingAccumulator(rules=self._rules.ranging)
         found = accumulator.update(
-            frame, p_above, range_m, floor_p=usual_floor_p(scored.places.get(learner), threshold)
+            frame, p_above, range_m, usual=usual_levels(scored.places.get(learner), threshold)
         )
         if found is None:
             return

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from horizon_dl.evidence.judge import Judge, Judged
-from horizon_dl.evidence.place import Place, usual_floor_p
+from horizon_dl.evidence.place import Place, usual_levels
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
 from horizon_dl.geometry.camera import Camera
@@ -133,7 +133,7 @@ class Perception:
             outputs.p_above,
             polar,
             height_m,
-            floor_p=usual_floor_p(self.model.place, self.model.threshold),
+            usual=usual_levels(self.model.place, self.model.threshold),
             vehicle=self.vehicle,
             rules=self.model.rules.ranging,
         )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.evidence.judge import Judge
-from horizon_dl.evidence.place import Place, usual_floor_p
+from horizon_dl.evidence.place import Place, usual_levels
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import OPTICAL_AXIS, bearings_for, polar_view
 from horizon_dl.ranging.free_distance import (
@@ -107,9 +107,9 @@ def range_frame(
     except ValueError:
         return None
     rules = rules or FlightRules()
-    floor_p = usual_floor_p(place, threshold)
+    usual = usual_levels(place, threshold)
     found = free_distances_from_p(
-        p_above, polar, frame.height_m, floor_p=floor_p, vehicle=height, rules=rules.ranging
+        p_above, polar, frame.height_m, usual=usual, vehicle=height, rules=rules.ranging
     )
     doubts: tuple[str, ...] = ()
     if place is not None:

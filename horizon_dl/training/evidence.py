@@ -12,6 +12,8 @@ from horizon_dl.evidence.self_assessment import SelfAssessment
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.start import simulated_net
+from horizon_dl.uncertainty.measures import binary_entropy, p_of_entropy
+from horizon_dl.uncertainty.taught_threshold import TaughtThreshold
 
 EVIDENCE_FRAMES = 100
 
@@ -34,19 +36,24 @@ def training_evidence(net: HorizonFCN, views: Iterable[View], config: Config) ->
         config: its limits, and how the floor's level is taken.
 
     Returns:
-        `evidence`, the limits of `Place` (None if no horizon is in view), `self_assessment`, and
-        the `deep_share` of the prediction.
+        `evidence`, the limits of `Place` (None if no horizon is in view); by the word of the net of the
+        simulated worlds `self_assessment` and `simulated_threshold` (bits, see `TaughtThreshold`); and the
+        `deep_share` of the prediction.
     """
     calibration, assessment = PlaceCalibration(config.evidence, config.contact), SelfAssessment()
-    simulated = simulated_net()
+    simulated, threshold = simulated_net(), TaughtThreshold()
     for view in views:
         p_above = EncodedImage(net, view.image).p_above()
+        p_obstacle = EncodedImage(simulated, view.image).of_all_depths()
+        below = view.elevation < -config.labels.band_rad
         calibration.add(view.image, view.elevation, p_above)
-        assessment.update(p_above, EncodedImage(simulated, view.image).of_all_depths(), view.elevation)
-    place = calibration.place()
-    card = None if place is None else place.to_card()
+        assessment.update(p_above, p_obstacle, view.elevation)
+        threshold.update(binary_entropy(p_above[below]), p_obstacle[below])
+    bits = threshold.compute()
+    place = calibration.place(obstacle_p=None if bits is None else p_of_entropy(bits))
     return {
-        "evidence": card,
+        "evidence": None if place is None else place.to_card(),
         "self_assessment": assessment.compute(),
+        "simulated_threshold": bits,
         "deep_share": net.deep_share,
     }

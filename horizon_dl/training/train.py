@@ -34,7 +34,7 @@ from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
 from horizon_dl.training.run_folder import Run
 from horizon_dl.training.several_processes import process_number
-from horizon_dl.training.thresholds import thresholds_of
+from horizon_dl.training.thresholds import paper_threshold_of
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
 AfterRound = Callable[[HorizonFCN, FrameStore, int, Logger], None]
@@ -264,7 +264,6 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
     """A net trained on all frames of a recording, with its threshold and what is known of its training."""
     recording, config = store.recording, store.config
     indices = range(recording.length)
-    thresholds = thresholds_of(net, store, indices)
     info = {
         "data": recording.name,
         "format": recording.format,
@@ -273,9 +272,8 @@ def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
         "skipped": store.skipped,
         "start": start_of(config.model),
         "train_s": train_s,
-        "threshold": thresholds.paper,
+        "threshold": paper_threshold_of(net, store, indices),
         "threshold_rule": PaperThreshold(config.threshold.percentile).rule,
-        "simulated_threshold": thresholds.simulated,
         **evidence_of(net, store, indices),
     }
     return Run(net.eval(), config, info)

@@ -70,6 +70,17 @@ def binary_entropy(p: ArrayLike) -> NDArray[np.float32]:
     return clipped
 
 
+def p_of_entropy(entropy: float) -> float:
+    """The p in [0, 1/2] of a binary entropy in bits.
+
+    Example:
+        >>> round(p_of_entropy(0.4690), 3)
+        0.1
+    """
+    p = np.linspace(1e-6, 0.5, 20001)
+    return float(np.interp(entropy, -p * np.log2(p) - (1 - p) * np.log2(1 - p), p))
+
+
 def p_other_side(p_above: NDArray[np.float32], above: NDArray[np.bool_]) -> NDArray[np.float32]:
     """Probability of the side that the pixel is not on: orders pixels as the surprisal does, in [0, 1]."""
     return np.where(above, np.float32(1.0) - p_above, p_above)

@@ -1,0 +1,46 @@
+"""What a learner usually says of floor and obstacles: the scale on which one picture of it is read."""
+
+import math
+from dataclasses import dataclass
+
+USUAL_CONTRAST = 0.9
+"""Log odds; what is taken where nobody was asked."""
+LEAST_CONTRAST, MOST_CONTRAST = 0.5, 1.7
+"""Log odds; three recordings and nine simulated worlds had .7 to 1.7, beyond that nothing was tried."""
+SURE = 1e-3
+
+
+@dataclass(frozen=True)
+class UsualLevels:
+    """`p_above` that a learner usually has in a recording, each in [0, 1].
+
+    Attributes:
+        floor: of the floor.
+        obstacle: from where on a pixel is likelier an obstacle's than the floor's, by the word of another
+            net (`uncertainty/taught_threshold.py`); None where nobody was asked.
+
+    Example:
+        >>> round(UsualLevels(0.1, 0.25).contrast, 2), UsualLevels(0.1).contrast
+        (1.1, 0.9)
+    """
+
+    floor: float
+    obstacle: float | None = None
+
+    @property
+    def contrast(self) -> float:
+        """How far obstacles stand out from the floor, log odds."""
+        if self.obstacle is None:
+            return USUAL_CONTRAST
+        return min(max(logit(self.obstacle) - logit(self.floor), LEAST_CONTRAST), MOST_CONTRAST)
+
+
+def logit(p: float) -> float:
+    """Log odds of a probability, those of .001 and .999 at most.
+
+    Example:
+        >>> logit(0.5), round(logit(0.0), 2)
+        (0.0, -6.91)
+    """
+    p = min(max(p, SURE), 1.0 - SURE)
+    return math.log(p / (1.0 - p))
