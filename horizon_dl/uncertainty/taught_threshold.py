@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 BINS = 4096
 FALSE_POSITIVE_WEIGHT = 0.75
-"""What a false positive counts beside a miss. Picked with the rule, 33 in all, on eight sets (RESEARCH.md)."""
+"""What a false positive counts beside a miss; picked with the rule on eight sets (docs/RESEARCH.md)."""
 RULE = "youden-simulated"
 
 
