@@ -20,7 +20,7 @@ from safety import LEFT_OUT, trained_model
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.metrics.ranging import MISSED_FACTOR
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.runtime.perception import Perception
 

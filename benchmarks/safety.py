@@ -37,7 +37,8 @@ from horizon_dl.metrics.range_truth import level_ranges, true_distances
 from horizon_dl.metrics.ranging import MISSED_FACTOR, RangingAccumulator
 from horizon_dl.output import write_json
 from horizon_dl.provenance import machine, versions
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome, free_distances
+from horizon_dl.ranging.free_distance import free_distances
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.ranging.temporal_filter import SectorFilter
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel

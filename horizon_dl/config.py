@@ -16,7 +16,7 @@ from horizon_dl.errors import InputError, shortened
 from horizon_dl.evidence.limits import EvidenceLimits
 from horizon_dl.nearest_word import meant
 from horizon_dl.ranging.contact import ContactDetectorParams
-from horizon_dl.ranging.free_distance import RangingParams
+from horizon_dl.ranging.rules import RangingParams
 from horizon_dl.targets.geodesic_params import GeodesicParams
 from horizon_dl.vehicle.flight_params import FlightParams
 

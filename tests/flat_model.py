@@ -12,7 +12,7 @@ from horizon_dl.evidence.place import LEVELS, Place
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.ranging.free_distance import FreeDistances, no_distances
+from horizon_dl.ranging.sectors import FreeDistances, no_distances
 from horizon_dl.runtime.rules import FlightRules
 
 ANY_PLACE = Place(

@@ -11,7 +11,7 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from horizon_dl.errors import InputError
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.visualization import ros2_types
 from horizon_dl.visualization.dds_sink import Dds, Network, map_message, scan_message
 

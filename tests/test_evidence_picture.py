@@ -20,7 +20,8 @@ from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import bearings_for, polar_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.contact import ContactDetectorParams
-from horizon_dl.ranging.free_distance import Outcome, free_distances
+from horizon_dl.ranging.free_distance import free_distances
+from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.ranging.usual_levels import UsualLevels
 
 CAMERA = Camera("pinhole", 160, 120, 120.0, 120.0, 79.5, 59.5)

@@ -14,7 +14,8 @@ from horizon_dl.evidence.plausible import HeightWatch
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import bearings_for, polar_view
-from horizon_dl.ranging.free_distance import Outcome, free_distances_from_p, no_distances
+from horizon_dl.ranging.free_distance import free_distances_from_p
+from horizon_dl.ranging.sectors import Outcome, no_distances
 
 BEARINGS = bearings_for(RAYS, (0.0, 0.0, 1.0))
 

@@ -24,7 +24,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.ranging.free_distance import Outcome
+from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
 from horizon_dl.runtime.model import ObstacleModel

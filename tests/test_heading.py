@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from horizon_dl.geometry.polar import Bearings
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome, no_distances
 from horizon_dl.ranging.heading import free_heading, swath_m
+from horizon_dl.ranging.sectors import FreeDistances, Outcome, no_distances
 from horizon_dl.ranging.temporal_filter import SectorFilter
 
 BEARINGS = Bearings(31, math.radians(2.0))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.geometry.attitude import quaternion_from_rpy
 from horizon_dl.geometry.polar import Bearings
-from horizon_dl.ranging.free_distance import FreeDistances, no_distances
+from horizon_dl.ranging.sectors import FreeDistances, no_distances
 from horizon_dl.runtime.watchdog import Watchdog
 from horizon_dl.vehicle.attitude_buffer import AttitudeBuffer, ClockOffset
 from horizon_dl.vehicle.obstacle_distance import ELEMENTS, UNKNOWN_CM, MessageShape, distances_cm

@@ -19,7 +19,8 @@ from horizon_dl.evidence.limits import EvidenceLimits
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.params import Setting, read_params, settings_of, values_of
 from horizon_dl.ranging.contact import ContactDetectorParams
-from horizon_dl.ranging.free_distance import Outcome, RangingParams
+from horizon_dl.ranging.rules import RangingParams
+from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.runtime.perception import Perception
 from horizon_dl.runtime.rules import FlightRules

@@ -22,7 +22,7 @@ from horizon_dl.metrics.range_truth import (
 )
 from horizon_dl.metrics.ranging import RangingAccumulator
 from horizon_dl.metrics.ranging_block import RangingBlock
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.readers.registry import open_recording
 

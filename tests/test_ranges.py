@@ -13,14 +13,10 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.contact import ContactDetectorParams
-from horizon_dl.ranging.free_distance import (
-    FreeDistances,
-    Outcome,
-    RangingParams,
-    free_distances,
-    no_distances,
-)
+from horizon_dl.ranging.free_distance import free_distances
 from horizon_dl.ranging.heading import Heading
+from horizon_dl.ranging.rules import RangingParams
+from horizon_dl.ranging.sectors import FreeDistances, Outcome, no_distances
 from horizon_dl.reporting.comparison_log import prediction_of
 from horizon_dl.runtime.ranged import range_frame, ranges_of
 from horizon_dl.runtime.rules import FlightRules

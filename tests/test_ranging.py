@@ -13,16 +13,11 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, directions_to_polar, level_axes, polar_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.contact import ContactDetectorParams, first_contact, first_rise
-from horizon_dl.ranging.free_distance import (
-    FreeDistances,
-    Outcome,
-    RangingParams,
-    distance_sd,
-    free_distances,
-    free_distances_from_p,
-    no_distances,
-)
+from horizon_dl.ranging.deviation import distance_sd
+from horizon_dl.ranging.free_distance import free_distances, free_distances_from_p
 from horizon_dl.ranging.in_the_way import connected_to_top
+from horizon_dl.ranging.rules import RangingParams
+from horizon_dl.ranging.sectors import FreeDistances, Outcome, no_distances
 from horizon_dl.ranging.usual_levels import LEAST_CONTRAST, MOST_CONTRAST, USUAL_CONTRAST, UsualLevels
 from horizon_dl.ranging.vehicle_height import CAMERA_ALONE
 from horizon_dl.uncertainty.measures import p_of_entropy

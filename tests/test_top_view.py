@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.runtime.ranged import DRONE, Ranged
 from horizon_dl.visualization.top_view import FREE, GROUND, MET, UNKNOWN, draw_top_view
 

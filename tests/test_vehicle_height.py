@@ -18,7 +18,8 @@ from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome, free_distances, free_distances_from_p
+from horizon_dl.ranging.free_distance import free_distances, free_distances_from_p
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.ranging.vehicle_height import CAMERA_ALONE, VehicleHeight
 from horizon_dl.simulation.embedded import embedded_set

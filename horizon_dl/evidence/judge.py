@@ -19,7 +19,7 @@ from horizon_dl.evidence.stream import MotionWatch, Seen
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import PolarView
 from horizon_dl.geometry.resize import area_resize
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome, no_distances
+from horizon_dl.ranging.sectors import FreeDistances, Outcome, no_distances
 
 Mask = NDArray[np.bool_]
 HORIZON_ACCURACY = FEATURES.index("horizon_accuracy")

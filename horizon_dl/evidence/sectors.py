@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 from horizon_dl.evidence.sketch import luma
 from horizon_dl.geometry.polar import PolarView
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 
 Mask = NDArray[np.bool_]
 

@@ -13,13 +13,9 @@ from horizon_dl.geometry.polar import Bearings, polar_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.metric import State, loaded
 from horizon_dl.metrics.range_truth import true_distances
-from horizon_dl.ranging.free_distance import (
-    FreeDistances,
-    Outcome,
-    RangingParams,
-    free_distances,
-    free_distances_from_p,
-)
+from horizon_dl.ranging.free_distance import free_distances, free_distances_from_p
+from horizon_dl.ranging.rules import RangingParams
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.ranging.vehicle_height import CAMERA_ALONE, VehicleHeight
 

@@ -10,7 +10,7 @@ from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.metrics.metric import State, joined_states, part_of
 from horizon_dl.metrics.range_truth import level_ranges, true_obstacles
 from horizon_dl.metrics.ranging import RangingAccumulator
-from horizon_dl.ranging.free_distance import RangingParams
+from horizon_dl.ranging.rules import RangingParams
 from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.ranging.vehicle_height import CAMERA_ALONE, VehicleHeight
 

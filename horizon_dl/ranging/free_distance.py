@@ -1,104 +1,26 @@
 """Free distance per bearing: the paper's visual sonar.
 
 On a flat floor the depression `a` of an obstacle's ground contact gives its distance, `height / tan(a)`.
-Source: arXiv:1806.08007, section on obstacle distance; the error terms are that formula's derivatives.
+Source: arXiv:1806.08007, section on obstacle distance.
 """
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from enum import IntEnum
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.polar import PolarView
-from horizon_dl.params import angle_deg, read_params, setting
-from horizon_dl.ranging.contact import (
-    ContactDetectorParams,
-    Rows,
-    first_contact,
-    first_rise,
-    floor_level,
-    nearest_level,
-)
+from horizon_dl.ranging.contact import Rows, first_contact, first_rise, floor_level
+from horizon_dl.ranging.deviation import distance_sd, sd_beyond
 from horizon_dl.ranging.in_the_way import in_the_way
+from horizon_dl.ranging.rules import RangingParams
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.ranging.usual_levels import SURE, UsualLevels
 from horizon_dl.ranging.vehicle_height import VehicleHeight
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
-
-
-class Outcome(IntEnum):
-    """What is known of a bearing."""
-
-    UNKNOWN = 0  # outside the view, no ground visible, or no attitude
-    FREE = 1  # free from the nearest visible ground to the farthest
-    OBSTACLE = 2
-
-
-@dataclass(frozen=True)
-class RangingParams:
-    """When a run of obstacle cells counts as an obstacle, and how sure its distance is.
-
-    Attributes:
-        extent_rad: height of the window in which obstacle cells must prevail; lower specks are no obstacle,
-            lower gaps are bridged.
-        share: share of the window's cells that must be obstacle.
-        horizon_rad: an obstacle that comes this close to a vehicle's lowest part (that of a vehicle as low as
-            its camera is at the horizon) reaches it.
-        unseen_rad: this close to the horizon nothing is asked: there the attitude's error decides the side,
-            and every map is unsure.
-        cell_share: share of a cell's pixels that make it an obstacle cell; well under a half, for the sake of
-            poles narrower than a sector.
-        attitude_sd_rad: standard deviation of roll and pitch.
-        height_sd: relative standard deviation of the height.
-        rise: for `free_distances_from_p`; the window and its share are for maps.
-    """
-
-    extent_rad: float = angle_deg(1.5, 0.1, 30.0)
-    share: float = setting(0.6, 0.01, 1.0)
-    horizon_rad: float = angle_deg(2.0, 0.0, 30.0)
-    unseen_rad: float = angle_deg(1.0, 0.0, 30.0)
-    cell_share: float = setting(0.2, 0.01, 1.0)
-    attitude_sd_rad: float = angle_deg(0.5, 0.0, 20.0)
-    height_sd: float = setting(0.03, 0.0, 1.0)
-    rise: ContactDetectorParams = field(default_factory=ContactDetectorParams)
-
-    @classmethod
-    def of_values(cls, config: Mapping[str, object]) -> "RangingParams":
-        """From a config's sections `ranging` and `contact`, as in files; ValueError as of `read_params`."""
-        contact = read_params(ContactDetectorParams, config.get("contact", {}), "contact")
-        return replace(read_params(cls, config.get("ranging", {}), "ranging"), rise=contact)
-
-
-@dataclass(frozen=True)
-class FreeDistances:
-    """What is known in each bearing; arrays (sectors,).
-
-    Attributes:
-        bearing_rad: middle of the sector, clockwise from straight ahead.
-        outcome: of `Outcome`.
-        distance_m: level distance from the camera to the obstacle's ground contact; where free, that of the
-            farthest ground in view: inf up to the horizon, less where the camera looks down. NaN where
-            unknown, and without a height.
-        sd_m: its standard deviation towards the camera; NaN where there is no finite distance.
-        sd_beyond_m: and away from it: more where the contact is not seen, as the ground that is taken for an
-            obstacle may be floor.
-        depression_rad: of the contact, or of the farthest ground in view where free; NaN where unknown.
-        contact_seen: False where the obstacle covers the nearest visible ground: it is at most that far away.
-        nearest_rad: depression of the nearest ground that the camera sees; 0 outside of its view.
-    """
-
-    bearing_rad: Floats
-    outcome: NDArray[np.uint8]
-    distance_m: Floats
-    sd_m: Floats
-    sd_beyond_m: Floats
-    depression_rad: Floats
-    contact_seen: Mask
-    nearest_rad: Floats
 
 
 def free_distances(
@@ -179,49 +101,12 @@ def free_distances_from_p(
     found = _from_contacts(polar, seen, cells, contact, height_m, rules, doubt)
     of_map = np.where(found.outcome == Outcome.OBSTACLE, rise.distance_sd * found.distance_m, 0.0)
     found = replace(found, sd_m=np.hypot(found.sd_m, of_map).astype(np.float32))
-    return replace(found, sd_beyond_m=_sd_beyond(found, logits, seen, level, polar, rise, unseen))
-
-
-def no_distances(bearing_rad: Floats) -> FreeDistances:
-    """`UNKNOWN` everywhere: what holds without an attitude or a picture."""
-    nothing = np.full(len(bearing_rad), np.nan, np.float32)
-    outcome = np.full(len(bearing_rad), Outcome.UNKNOWN, np.uint8)
-    unseen = np.zeros(len(bearing_rad), np.bool_)
-    zero = np.zeros(len(bearing_rad), np.float32)
-    return FreeDistances(bearing_rad, outcome, nothing, nothing, nothing, nothing, unseen, zero)
+    return replace(found, sd_beyond_m=sd_beyond(found, logits, seen, level, polar, rise, unseen))
 
 
 def _logits(p: Floats) -> Floats:
     clipped = np.clip(p, SURE, 1 - SURE)
     return np.asarray(np.log(clipped / (1 - clipped)), np.float32)
-
-
-def _sd_beyond(
-    found: FreeDistances,
-    logits: Floats,
-    seen: Mask,
-    level: float,
-    polar: PolarView,
-    rules: ContactDetectorParams,
-    unseen: int,
-) -> Floats:
-    """(sectors,) the deviation away from the camera, m.
-
-    Where all ground in view is taken for an obstacle, a net may only doubt it: then two deviations reach the
-    contact that is found if the nearest ground is floor, or the farthest ground that is looked at.
-    """
-    covered = (found.outcome == Outcome.OBSTACLE) & ~found.contact_seen & np.isfinite(found.distance_m)
-    sd_m = found.sd_m.copy()
-    if not covered.any():
-        return sd_m
-    own, known = logits[covered], seen[covered]
-    levels = np.maximum(nearest_level(own, known, polar.row_step_rad), level)
-    contact, _, _ = first_rise(own, known, levels, polar.row_step_rad, rules, unseen)
-    depression = (np.where(contact >= 0, contact, unseen) + 1) * polar.row_step_rad
-    there_m = found.distance_m[covered] * np.tan(found.depression_rad[covered]) / np.tan(depression)
-    beyond_m = np.maximum(there_m - found.distance_m[covered], 0.0)
-    sd_m[covered] = np.hypot(sd_m[covered], beyond_m / 2)
-    return sd_m
 
 
 def _window_and_unseen(polar: PolarView, rules: RangingParams) -> tuple[int, int]:
@@ -313,24 +198,3 @@ def _in_metres(
         outcome == Outcome.OBSTACLE,
         (_nearest_rows(polar.pixels > 0) * polar.row_step_rad).astype(np.float32),
     )
-
-
-def distance_sd(
-    distance_m: NDArray[np.floating],
-    height_m: float,
-    contact_sd_rad: NDArray[np.floating],
-    rules: RangingParams,
-) -> NDArray[np.float64]:
-    """Standard deviation of `height / tan(depression)`, m.
-
-    The derivative by the depression is `-(distance^2 + height^2) / height`.
-
-    Args:
-        distance_m: (N,).
-        height_m: of the camera.
-        contact_sd_rad: (N,) of the contact in the image: pixel size and the map's doubt.
-        rules: the attitude's and the height's part.
-    """
-    slope = (np.square(distance_m, dtype=np.float64) + height_m**2) / height_m
-    angle_sd = np.hypot(contact_sd_rad, rules.attitude_sd_rad)
-    return np.asarray(np.hypot(slope * angle_sd, distance_m * rules.height_sd))

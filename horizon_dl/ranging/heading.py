@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def free_heading(
         ValueError: the lengths make no sense.
 
     Example:
-        >>> from horizon_dl.ranging.free_distance import no_distances
+        >>> from horizon_dl.ranging.sectors import no_distances
         >>> free_heading(no_distances(np.zeros(3, np.float32)), 0.0, 0.3, 2.0) is None
         True
     """

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from horizon_dl.ranging.free_distance import FreeDistances, no_distances
+from horizon_dl.ranging.sectors import FreeDistances, no_distances
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.metrics.range_truth import level_ranges, true_distances
 from horizon_dl.metrics.ranging import EVALUATION_BEARINGS, RangingAccumulator
 from horizon_dl.output.names import ResultNames
-from horizon_dl.ranging.free_distance import Outcome
+from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.reporting.outputs import can_film
 from horizon_dl.reporting.run_page import FILM
 from horizon_dl.reporting.stills import Still, Stills, auc_of, said_of, still

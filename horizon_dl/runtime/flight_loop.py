@@ -18,7 +18,7 @@ from horizon_dl.errors import FrameError
 from horizon_dl.evidence.plausible import HeightWatch
 from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation, up_in_camera
-from horizon_dl.ranging.free_distance import FreeDistances
+from horizon_dl.ranging.sectors import FreeDistances
 from horizon_dl.runtime.latency import Latencies
 from horizon_dl.runtime.perception import Perception
 from horizon_dl.runtime.watchdog import Clock, Watchdog

@@ -13,7 +13,8 @@ from horizon_dl.evidence.reason import Reason
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.polar import Bearings, bearings_for, polar_view
-from horizon_dl.ranging.free_distance import FreeDistances, free_distances_from_p, no_distances
+from horizon_dl.ranging.free_distance import free_distances_from_p
+from horizon_dl.ranging.sectors import FreeDistances, no_distances
 from horizon_dl.ranging.temporal_filter import SectorFilter
 from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.runtime.rules import FlightRules

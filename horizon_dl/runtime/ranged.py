@@ -10,13 +10,9 @@ from horizon_dl.evidence.judge import Judge
 from horizon_dl.evidence.place import Place, usual_levels
 from horizon_dl.geometry.horizon import elevation
 from horizon_dl.geometry.polar import OPTICAL_AXIS, bearings_for, polar_view
-from horizon_dl.ranging.free_distance import (
-    FreeDistances,
-    Outcome,
-    free_distances_from_p,
-    no_distances,
-)
+from horizon_dl.ranging.free_distance import free_distances_from_p
 from horizon_dl.ranging.heading import Heading, free_heading
+from horizon_dl.ranging.sectors import FreeDistances, Outcome, no_distances
 from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.rules import FlightRules

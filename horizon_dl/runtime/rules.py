@@ -6,7 +6,7 @@ from typing import Any
 
 from horizon_dl.evidence.limits import EvidenceLimits
 from horizon_dl.params import read_params
-from horizon_dl.ranging.free_distance import RangingParams
+from horizon_dl.ranging.rules import RangingParams
 from horizon_dl.vehicle.flight_params import FlightParams
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 
 ELEMENTS = 72
 UNKNOWN_CM = 65535

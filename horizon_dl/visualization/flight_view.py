@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from horizon_dl.data.frame import Frame
-from horizon_dl.ranging.free_distance import FreeDistances
+from horizon_dl.ranging.sectors import FreeDistances
 from horizon_dl.runtime.hot_reload import HotReloadedModel
 from horizon_dl.runtime.model import Outputs
 from horizon_dl.runtime.perception import Perception

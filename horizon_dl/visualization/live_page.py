@@ -17,7 +17,7 @@ from PIL import Image as PilImage
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.errors import InputError
-from horizon_dl.ranging.free_distance import Outcome
+from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.film_picture import FilmPicture

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.polar import directions_to_polar, pixel_step_rad
-from horizon_dl.ranging.free_distance import FreeDistances, Outcome
 from horizon_dl.ranging.heading import Heading
+from horizon_dl.ranging.sectors import FreeDistances, Outcome
 from horizon_dl.visualization.cells import resize_image
 from horizon_dl.visualization.colours import (
     BELOW_COLOUR,

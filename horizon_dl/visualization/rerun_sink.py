@@ -8,7 +8,7 @@ import numpy as np
 
 from horizon_dl.data.frame import Frame
 from horizon_dl.errors import InputError
-from horizon_dl.ranging.free_distance import Outcome
+from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.colours import BELOW_COLOUR, HEADING_COLOUR, OBSTACLE_COLOUR, colour_map

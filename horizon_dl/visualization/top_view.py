@@ -6,7 +6,7 @@ import numpy as np
 from PIL import Image as PilImage
 from PIL import ImageDraw
 
-from horizon_dl.ranging.free_distance import Outcome
+from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.runtime.ranged import Ranged
 from horizon_dl.visualization.colours import HEADING_COLOUR, Colour, Image
 from horizon_dl.visualization.text import font
