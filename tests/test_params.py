@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flat_model import FlatModel, TrustingJudge
+from flat_model import ANY_PLACE, FlatModel, TrustingJudge
 from small_run import model_file, small_export
 from test_evidence_models import changed
 
@@ -123,6 +123,20 @@ def test_the_flight_ranges_by_the_models_rules(rise: float, outcome: Outcome) ->
     image = np.zeros((60, 80, 3), np.uint8)
     found = perception.look(0.0, image, np.array([0.0, -1.0, 0.0]), 0.0, 1.0)
     assert (found.outcome[found.nearest_rad > 0.3] == outcome).all()
+
+
+@pytest.mark.parametrize(("obstacle_p", "outcome"), [(0.3, Outcome.FREE), (0.04, Outcome.OBSTACLE)])
+def test_the_flight_ranges_by_how_far_obstacles_stood_out_in_training(
+    obstacle_p: float, outcome: Outcome
+) -> None:
+    """The bump is .4 over a floor of .03 in log odds: much where obstacles are at .04, nothing at .3."""
+    model = Bump(CAMERA)
+    model.place = replace(ANY_PLACE, floor_p=0.03, obstacle_p=obstacle_p)
+    perception = Perception.of(model, (0.0, 0.0, 0.0))
+    perception.judge = TrustingJudge(CAMERA, model.place)
+    image, up_cam = np.zeros((60, 80, 3), np.uint8), np.array([0.0, -1.0, 0.0])
+    flown = perception.look(0.0, image, up_cam, 0.0, 1.0)
+    assert (flown.outcome[flown.nearest_rad > 0.3] == outcome).all()
 
 
 def test_a_fresh_file_brings_its_own_limits() -> None:

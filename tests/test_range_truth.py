@@ -134,6 +134,13 @@ def test_what_counts_as_missed_and_as_false_stop() -> None:
     assert metrics["contact_below_view"] == pytest.approx(2 / 7)
     assert metrics["median_relative_error"] == pytest.approx(0.35, rel=1e-5)  # of 0.1, 0.525, 0.35
     assert metrics["within_2sd"] == pytest.approx(2 / 3)  # 0.4 nearer, of 0.5; 1.4 beyond, of 1.0; 2.1 not
+    assert metrics["within_2sd_seen"] == pytest.approx(2 / 3)
+    assert metrics["contact_seen"] == 1.0
+    covered = RangingAccumulator(0.7, 5.0)
+    covered.count(distances([2, 2, 2], [2.5, 2.5, 3.9], [False, False, True]), truth[:3], 1.0)
+    found = covered.compute()
+    assert (found["within_2sd"], found["within_2sd_seen"]) == (1.0, 1.0)
+    assert found["contact_seen"] == pytest.approx(1 / 3)
 
 
 def test_floor_behind_an_obstacle_is_not_free() -> None:

@@ -393,6 +393,21 @@ def test_a_wall_that_fills_the_view_is_no_farther_than_it_looks() -> None:
     np.testing.assert_array_equal(found.sd_beyond_m[middle], found.sd_m[middle])
 
 
+@pytest.mark.parametrize("pitch", [-30, -45, -60])
+def test_a_view_of_doubt_reaches_no_farther_than_was_looked(pitch: float) -> None:
+    directions, up = camera_rays(PINHOLE).directions, up_of(0, pitch)
+    polar = polar_view(directions, up, bearings=BEARINGS)
+    p = np.full((120, 160), 0.2, np.float32)
+    found = free_distances_from_p(p, polar, 1.2, usual=UsualLevels(0.05))
+    end_m = np.minimum(
+        free_distances(np.zeros((120, 160), bool), polar, 1.2).distance_m, 1.2 / math.tan(0.01745)
+    )
+    doubted = (found.outcome == Outcome.OBSTACLE) & ~found.contact_seen
+    assert doubted.sum() > 10
+    reach_m = np.hypot(found.sd_m, (end_m - found.distance_m) / 2)
+    np.testing.assert_allclose(found.sd_beyond_m[doubted], reach_m[doubted], rtol=0.1)
+
+
 def test_a_contact_that_is_seen_has_one_deviation() -> None:
     middle, found = view_of_a_hall(nearest_p=0.05, floor_p=0.05, wall_m=6.0)
     assert found.contact_seen[middle].all()

@@ -10,11 +10,15 @@ from small_run import small_run, toy_set
 from toy import write_toy_set
 
 from horizon_dl.cli import main
+from horizon_dl.data.view import make_view
 from horizon_dl.evidence.self_assessment import OBSTACLE, SURE_BELOW, WORDS, SelfAssessment, said, verdict
 from horizon_dl.inspection.data_check import check_recording
 from horizon_dl.inspection.findings import with_findings
+from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.readers.registry import open_recording
+from horizon_dl.training.evidence import training_evidence
 from horizon_dl.training.run_folder import save_run
+from horizon_dl.uncertainty.measures import binary_entropy, p_of_entropy
 
 
 def test_the_shares_are_those_of_the_pixels_below() -> None:
@@ -55,6 +59,32 @@ def test_before_any_pixel_nothing_is_trusted() -> None:
 )
 def test_what_is_no_assessment_says_nothing(damaged: object) -> None:
     assert said(damaged) is None
+
+
+def test_the_teachers_level_reaches_the_place_that_is_flown_by(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A teacher that knows the net's own obstacles: the level lies where the net's floor ends."""
+    run = small_run()
+    recording = open_recording(toy_set())
+    views = [make_view(recording.read(index), run.config.image.max_pixels) for index in range(0, 24, 4)]
+    entropies = [binary_entropy(EncodedImage(run.net, view.image).p_above()) for view in views]
+    level = float(np.median(np.concatenate([one.ravel() for one in entropies])))
+
+    class Teacher(EncodedImage):
+        def of_all_depths(self, size=None):
+            known = binary_entropy(EncodedImage(run.net, self.shown).p_above())
+            return np.where(known > level, np.float32(0.99), np.float32(0.01))
+
+        def __init__(self, net, image):
+            super().__init__(run.net, image)
+            self.shown = image
+
+    monkeypatch.setattr(
+        "horizon_dl.training.evidence.EncodedImage",
+        lambda net, image: (EncodedImage if net is run.net else Teacher)(net, image),
+    )
+    found = training_evidence(run.net, views, run.config)
+    assert found["simulated_threshold"] == pytest.approx(level, abs=0.01)
+    assert found["evidence"]["obstacle_p"] == pytest.approx(p_of_entropy(found["simulated_threshold"]))
 
 
 def test_a_damaged_share_costs_the_number_alone() -> None:

@@ -62,8 +62,9 @@ OUTPUTS = {
 }
 FLOWN = (
     "Along each bearing, from the nearest ground up: free until the log odds of p_above rise over the "
-    "floor's level (config: contact, ranging), blocked from there on, unknown where evidence lacks (config: "
-    "evidence)."
+    "floor's level (config: contact, ranging; the rise times how far evidence.obstacle_p lies over "
+    "evidence.floor_p in log odds, within [0.5, 1.7], over 0.9), blocked from there on, unknown where "
+    "evidence lacks (config: evidence)."
 )
 LEFT_OUT = {
     "fused": "the path between the sure floor and the horizon is a search, no tensor operator",

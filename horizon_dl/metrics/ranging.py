@@ -41,6 +41,7 @@ class RangingAccumulator:
         bearings: sectors, zero is the optical axis.
         rules: of the ranging.
         relative: errors of the measured bearings as shares of the true distance, frame by frame.
+        contact_seen: whether the measured bearings' contacts were seen.
         within_2sd: whether they were within twice the standard deviation that is stated for their side.
         counts: bearings with a true distance; of them with a contact below the view, unknown, missed, and
             false stops.
@@ -53,6 +54,7 @@ class RangingAccumulator:
     bearings: Bearings = EVALUATION_BEARINGS
     rules: RangingParams = field(default_factory=RangingParams)
     relative: list[Floats] = field(default_factory=list)
+    contact_seen: list[NDArray[np.bool_]] = field(default_factory=list)
     within_2sd: list[NDArray[np.bool_]] = field(default_factory=list)
     counts: NDArray[np.int64] = field(default_factory=lambda: np.zeros(5, np.int64))
 
@@ -108,11 +110,13 @@ class RangingAccumulator:
         beyond = truth[measured] - distance[measured]
         sd_m = np.where(beyond > 0, found.sd_beyond_m[used][measured], found.sd_m[used][measured])
         self.relative.append((np.abs(beyond) / truth[measured]).astype(np.float32))
+        self.contact_seen.append(found.contact_seen[used][measured])
         self.within_2sd.append(np.abs(beyond) <= 2 * sd_m)
 
     def merge(self, other: "RangingAccumulator") -> None:
         """See `Metric`; the other has the same interval."""
         self.relative += other.relative
+        self.contact_seen += other.contact_seen
         self.within_2sd += other.within_2sd
         self.counts += other.counts
 
@@ -120,6 +124,7 @@ class RangingAccumulator:
         """See `Metric`."""
         return {
             "relative": joined(self.relative).astype(np.float32),
+            "contact_seen": joined(self.contact_seen).astype(np.bool_),
             "within_2sd": joined(self.within_2sd).astype(np.bool_),
             "counts": self.counts.copy(),
         }
@@ -127,6 +132,7 @@ class RangingAccumulator:
     def load(self, state: State) -> None:
         """See `Metric`."""
         self.relative, self.within_2sd = [state["relative"].copy()], [state["within_2sd"].copy()]
+        self.contact_seen = [state["contact_seen"].copy()]
         self.counts = loaded(state["counts"], self.counts)
 
     def compute(self) -> dict[str, Any]:
@@ -135,16 +141,19 @@ class RangingAccumulator:
         `columns` bearings had a true distance in the interval. Of them `missed` (share reported free beyond
         1.5 times the true distance), `false_stop` (share reported under 0.67 times), `unknown`, and
         `contact_below_view`; `median_relative_error` and `within_2sd` are over the others with a reported
-        obstacle.
+        obstacle, `within_2sd_seen` over those of them whose contact was seen, a share `contact_seen`.
         """
         columns, *shares = (int(n) for n in self.counts)
         relative, within = joined(self.relative), joined(self.within_2sd)
+        seen = joined(self.contact_seen).astype(np.bool_)
         names = ("contact_below_view", "unknown", "missed", "false_stop")
         return {
             "median_relative_error": float(np.median(relative)) if len(relative) else None,
             "columns": columns,
             **{name: n / columns if columns else None for name, n in zip(names, shares, strict=True)},
             "within_2sd": float(np.mean(within)) if len(within) else None,
+            "within_2sd_seen": float(np.mean(within[seen])) if seen.any() else None,
+            "contact_seen": float(np.mean(seen)) if len(seen) else None,
             "interval_m": [self.near_m, self.far_m],
             "connected_only": self.vehicle == CAMERA_ALONE,
             "vehicle_height_m": self.vehicle and [self.vehicle.below_m, self.vehicle.above_m],

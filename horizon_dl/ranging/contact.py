@@ -91,6 +91,14 @@ def floor_level(logits: Floats, seen: Mask, usual: UsualLevels | None, rules: Co
     return min(levels, default=0.0)
 
 
+def farthest_rows(seen: Mask) -> Rows:
+    """(sectors,) the first row that is seen, there or in a neighbour: coarse pixels leave cells empty."""
+    own = np.where(seen.any(axis=1), seen.argmax(axis=1), seen.shape[1])
+    left, right = np.roll(own, 1), np.roll(own, -1)
+    left[0], right[-1] = own[0], own[-1]
+    return np.asarray(np.minimum(own, np.minimum(left, right)))
+
+
 def nearest_level(logits: Floats, seen: Mask, row_step_rad: float) -> Floats:
     """(sectors,) mean logit of the nearest ground that each sector sees; 0 where it sees none."""
     rows = max(1, round(NEAREST_RAD / row_step_rad))

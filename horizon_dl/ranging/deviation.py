@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.polar import PolarView
-from horizon_dl.ranging.contact import ContactDetectorParams, first_rise, nearest_level
+from horizon_dl.ranging.contact import ContactDetectorParams, farthest_rows, first_rise, nearest_level
 from horizon_dl.ranging.rules import RangingParams
 from horizon_dl.ranging.sectors import FreeDistances, Outcome
 
@@ -47,8 +47,8 @@ def sd_beyond(
 ) -> Floats:
     """Standard deviation away from the camera, m (sectors,).
 
-    Where all ground in view is taken for an obstacle, a net may only doubt it: then two deviations reach the
-    contact that is found if the nearest ground is floor, or the farthest ground that is looked at.
+    Where all ground in view is taken for an obstacle, a net may only doubt it. Then two deviations reach the
+    contact that is found if the nearest ground is floor; where none is found so, the farthest ground in view.
 
     Args:
         found: with the deviation towards the camera.
@@ -66,7 +66,8 @@ def sd_beyond(
     own, known = logits[covered], seen[covered]
     levels = np.maximum(nearest_level(own, known, polar.row_step_rad), level)
     contact, _, _ = first_rise(own, known, levels, polar.row_step_rad, rules, unseen)
-    depression = (np.where(contact >= 0, contact, unseen) + 1) * polar.row_step_rad
+    farthest = np.maximum(farthest_rows(seen)[covered], max(unseen, 1))
+    depression = np.where(contact >= 0, contact + 1, farthest) * polar.row_step_rad
     there_m = found.distance_m[covered] * np.tan(found.depression_rad[covered]) / np.tan(depression)
     beyond_m = np.maximum(there_m - found.distance_m[covered], 0.0)
     sd_m[covered] = np.hypot(sd_m[covered], beyond_m / 2)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.geometry.polar import PolarView
-from horizon_dl.ranging.contact import Rows, first_contact, first_rise, floor_level
+from horizon_dl.ranging.contact import Rows, farthest_rows, first_contact, first_rise, floor_level
 from horizon_dl.ranging.deviation import distance_sd, sd_beyond
 from horizon_dl.ranging.in_the_way import in_the_way
 from horizon_dl.ranging.rules import RangingParams
@@ -131,7 +131,7 @@ def _from_contacts(
     gap = _rows_to_ground(seen, contact)
     edge = np.where(contact < visible - 1, contact + (1 + gap) / 2, contact + 1)
     # Where the camera looks down, what stands behind the farthest ground in view was not looked at.
-    farthest = _farthest_rows(seen)
+    farthest = farthest_rows(seen)
     edge = np.where(contact >= 0, edge, np.where(farthest > window + unseen, farthest, 0))
     found = _in_metres(polar, outcome, edge, doubt + gap / 2, height_m, rules)
     return replace(found, contact_seen=found.contact_seen & _foot_seen(seen, contact, window))
@@ -149,14 +149,6 @@ def _rows(angle_rad: float, polar: PolarView) -> int:
 def _nearest_rows(seen: Mask) -> Rows:
     """(sectors,) one more than the last row that is seen, 0 for none."""
     return np.asarray(np.where(seen, np.arange(1, seen.shape[1] + 1), 0).max(axis=1))
-
-
-def _farthest_rows(seen: Mask) -> Rows:
-    """(sectors,) the first row that is seen, there or in a neighbour: coarse pixels leave cells empty."""
-    own = np.where(seen.any(axis=1), seen.argmax(axis=1), seen.shape[1])
-    left, right = np.roll(own, 1), np.roll(own, -1)
-    left[0], right[-1] = own[0], own[-1]
-    return np.asarray(np.minimum(own, np.minimum(left, right)))
 
 
 def _rows_to_ground(seen: Mask, contact: Rows) -> Rows:

@@ -16,8 +16,8 @@ class UsualLevels:
 
     Attributes:
         floor: of the floor.
-        obstacle: from where on a pixel is likelier an obstacle's than the floor's, by the word of another
-            net (`uncertainty/taught_threshold.py`); None where nobody was asked.
+        obstacle: the level that best parts what another net takes for obstacles from what it takes for floor
+            (`uncertainty/taught_threshold.py`); None where nobody was asked.
 
     Example:
         >>> round(UsualLevels(0.1, 0.25).contrast, 2), UsualLevels(0.1).contrast

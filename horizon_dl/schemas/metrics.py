@@ -60,6 +60,8 @@ class Ranging(Part):
     false_stop: Figure = None
     unknown: Figure = None
     within_2sd: Figure = None
+    within_2sd_seen: Figure = None
+    contact_seen: Figure = None
 
 
 class Metrics(Versioned):
