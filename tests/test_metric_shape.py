@@ -18,6 +18,7 @@ from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.metrics.running import RunningSides
 from horizon_dl.metrics.scored_pixels import Confusion, ScoredPixels, scored_pixels
+from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.training.checkpoint import Snapshot, read_checkpoint, write_checkpoint
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
@@ -57,7 +58,7 @@ def update_ranging(metric: Any, one: dict[str, Any], index: int) -> None:
     p_above = prediction.measures.p_above
     if isinstance(metric, RangingBlock):
         ranged = frame.__class__(**{**vars(frame), "ranges": RangeImage(metres, "ray")})
-        metric.update(ranged, p_above, 0.5)
+        metric.update(ranged, p_above, UsualLevels(0.5))
     else:
         metric.update(frame, p_above, metres)
 
