@@ -126,6 +126,18 @@ def test_it_is_one_file_that_asks_nobody(report, tmp_path):
         until(page, "!document.querySelector('video') || document.querySelector('figure.film').hidden")
 
 
+def test_a_film_that_was_missed_before_the_script_ran_is_left_out_as_well(report, tmp_path):
+    alone = tmp_path / "mailed.html"
+    alone.write_bytes(report.read_bytes())
+    before = """Object.defineProperty(HTMLMediaElement.prototype, "error", {get: () => ({code: 4})});
+        HTMLMediaElement.prototype.addEventListener = () => {};"""
+    with browser_page() as page:
+        page.add_init_script(before)
+        opened(page, alone)
+        assert page.evaluate("document.querySelector('video') !== null")
+        until(page, "document.querySelector('figure.film').hidden", seconds=10)
+
+
 def test_a_film_beside_the_page_plays(report):
     with browser_page() as page:
         opened(page, report)

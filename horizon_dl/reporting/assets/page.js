@@ -48,8 +48,11 @@ for (const figure of document.querySelectorAll("figure.chart")) {
 }
 
 // ---- films that were left behind when the page was sent ----
-for (const film of document.querySelectorAll("video"))
-  film.addEventListener("error", () => { film.closest("figure").hidden = true; });
+for (const film of document.querySelectorAll("video")) {
+  const leaveOut = () => { film.closest("figure").hidden = true; };
+  film.addEventListener("error", leaveOut);
+  if (film.error) leaveOut();  // it may be known before this script runs
+}
 
 // ---- frames ----
 const browser = data.browser;
