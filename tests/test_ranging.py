@@ -374,7 +374,9 @@ def view_of_a_hall(
     middle = np.abs(polar.bearings.centres_rad) < math.radians(20)
     near = ~wall_map(directions, up, 1.2, 2.9)
     p = np.where(wall_map(directions, up, 1.2, wall_m), 0.45, np.where(near, nearest_p, floor_p))
-    return middle, free_distances_from_p(p.astype(np.float32), polar, 1.2, usual=UsualLevels(0.05))
+    return middle, free_distances_from_p(
+        p.astype(np.float32), polar, 1.2, usual=UsualLevels(0.05), beyond=True
+    )
 
 
 def test_ground_that_is_doubted_up_to_the_camera_may_be_floor() -> None:
@@ -398,9 +400,11 @@ def test_a_view_of_doubt_reaches_no_farther_than_was_looked(pitch: float) -> Non
     directions, up = camera_rays(PINHOLE).directions, up_of(0, pitch)
     polar = polar_view(directions, up, bearings=BEARINGS)
     p = np.full((120, 160), 0.2, np.float32)
-    found = free_distances_from_p(p, polar, 1.2, usual=UsualLevels(0.05))
+    found = free_distances_from_p(p, polar, 1.2, usual=UsualLevels(0.05), beyond=True)
+    unasked = free_distances_from_p(p, polar, 1.2, usual=UsualLevels(0.05))
+    np.testing.assert_array_equal(unasked.sd_beyond_m, found.sd_m)
     end_m = np.minimum(
-        free_distances(np.zeros((120, 160), bool), polar, 1.2).distance_m, 1.2 / math.tan(0.01745)
+        free_distances(np.zeros((120, 160), bool), polar, 1.2).distance_m, 1.2 / math.tan(math.radians(1.0))
     )
     doubted = (found.outcome == Outcome.OBSTACLE) & ~found.contact_seen
     assert doubted.sum() > 10

@@ -5,14 +5,14 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.view import View
 from horizon_dl.targets.geodesic import (
+    LEAST_P,
     horizon_distance,
-    logit,
     relative_angle,
     relative_geodesic_position,
     traversal_cost,
 )
 from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
-from horizon_dl.uncertainty.measures import P_ABOVE, Measures, binary_entropy, p_other_side
+from horizon_dl.uncertainty.measures import P_ABOVE, Measures, binary_entropy, log_odds, p_other_side
 
 Map = NDArray[np.float32]
 
@@ -81,12 +81,14 @@ def fused_score(
     Returns:
         (h, w) in [0, 1].
     """
-    evidence = logit(p_other_side(p_above, view.elevation > 0))
+    evidence = log_odds(p_other_side(p_above, view.elevation > 0), LEAST_P)
     evidence = evidence - PRIOR_WEIGHT * relative_angle(view.elevation)
     if agreement is None or agreement >= AGREED:
         cost = traversal_cost(view.image, view.elevation, p_above, paths)
         distance = horizon_distance(cost, view.elevation)
         share = relative_geodesic_position(cost, view.elevation, p_above, distance, paths)
-        evidence = evidence + FRAME_WEIGHT * logit(SHARE_MARGIN + (1.0 - 2.0 * SHARE_MARGIN) * share)
+        evidence = evidence + FRAME_WEIGHT * log_odds(
+            SHARE_MARGIN + (1.0 - 2.0 * SHARE_MARGIN) * share, LEAST_P
+        )
     fused: Map = np.nan_to_num(1.0 / (1.0 + np.exp(-evidence))).astype(np.float32)
     return fused

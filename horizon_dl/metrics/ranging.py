@@ -89,7 +89,7 @@ class RangingAccumulator:
             distances = free_distances(found.astype(np.bool_), polar, height_m, known=known, **options)
         else:
             p_above = found.astype(np.float32)
-            distances = free_distances_from_p(p_above, polar, height_m, usual=usual, **options)
+            distances = free_distances_from_p(p_above, polar, height_m, usual=usual, beyond=True, **options)
         self.count(distances, truth_m, height_m)
         return distances
 

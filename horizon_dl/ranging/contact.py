@@ -3,13 +3,15 @@
 All arrays are (sectors, rows) of a `PolarView`: row 0 at the horizon, the last one the nearest ground.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.params import angle_deg, setting
-from horizon_dl.ranging.usual_levels import USUAL_CONTRAST, UsualLevels, logit
+from horizon_dl.ranging.usual_levels import LEAST_P, USUAL_CONTRAST, UsualLevels
+from horizon_dl.uncertainty.measures import log_odds
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -56,7 +58,8 @@ class ContactDetectorParams:
 
     def obstacle_level(self, floor: NDArray[np.floating]) -> NDArray[np.floating]:
         """Logit from which on a cell speaks for an obstacle, of its bearing's floor level."""
-        return np.asarray(np.minimum(floor + self.rise, logit(self.certain_p)))
+        certain = math.log(self.certain_p / (1.0 - self.certain_p))  # asked for at every row
+        return np.asarray(np.minimum(floor + self.rise, certain))
 
 
 def first_contact(obstacle: Mask, seen: Mask, window: int, share: float, unseen_rows: int = 0) -> Rows:
@@ -87,7 +90,7 @@ def floor_level(logits: Floats, seen: Mask, usual: UsualLevels | None, rules: Co
     Without the limit a frame full of wall would be all floor.
     """
     levels = [float(np.percentile(logits[seen], rules.floor_percentile))] if seen.any() else []
-    levels += [logit(usual.floor) + rules.floor_margin] if usual is not None else []
+    levels += [float(log_odds(usual.floor, LEAST_P)) + rules.floor_margin] if usual is not None else []
     return min(levels, default=0.0)
 
 

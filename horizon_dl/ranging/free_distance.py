@@ -16,8 +16,9 @@ from horizon_dl.ranging.deviation import distance_sd, sd_beyond
 from horizon_dl.ranging.in_the_way import in_the_way
 from horizon_dl.ranging.rules import RangingParams
 from horizon_dl.ranging.sectors import FreeDistances, Outcome
-from horizon_dl.ranging.usual_levels import SURE, UsualLevels
+from horizon_dl.ranging.usual_levels import LEAST_P, UsualLevels
 from horizon_dl.ranging.vehicle_height import VehicleHeight
+from horizon_dl.uncertainty.measures import log_odds
 
 Floats = NDArray[np.float32]
 Mask = NDArray[np.bool_]
@@ -68,6 +69,7 @@ def free_distances_from_p(
     usual: UsualLevels | None = None,
     vehicle: VehicleHeight | None = None,
     rules: RangingParams | None = None,
+    beyond: bool = False,
 ) -> FreeDistances:
     """The same from `p_above` itself: the contact is where it rises from the floor's level.
 
@@ -82,11 +84,13 @@ def free_distances_from_p(
             it a frame full of wall passes for floor.
         vehicle: see `free_distances`.
         rules: see `free_distances`.
+        beyond: also ask how much farther an obstacle may be whose contact is not seen: a second walk, which a
+            flight has no use for.
     """
     rules = rules or RangingParams()
     rise = rules.rise if usual is None else rules.rise.scaled_to(usual)
     mean, seen = polar.means(p_above)
-    logits = _logits(mean)
+    logits = log_odds(mean, LEAST_P)
     window, unseen = _window_and_unseen(polar, rules)
     level = floor_level(logits[:, unseen:], seen[:, unseen:], usual, rise)
     contact, alarm, floor = first_rise(logits, seen, level, polar.row_step_rad, rise, unseen)
@@ -100,13 +104,11 @@ def free_distances_from_p(
     doubt = (contact - alarm).astype(np.float32)
     found = _from_contacts(polar, seen, cells, contact, height_m, rules, doubt)
     of_map = np.where(found.outcome == Outcome.OBSTACLE, rise.distance_sd * found.distance_m, 0.0)
-    found = replace(found, sd_m=np.hypot(found.sd_m, of_map).astype(np.float32))
+    sd_m = np.hypot(found.sd_m, of_map).astype(np.float32)
+    found = replace(found, sd_m=sd_m, sd_beyond_m=sd_m)
+    if not beyond:
+        return found
     return replace(found, sd_beyond_m=sd_beyond(found, logits, seen, level, polar, rise, unseen))
-
-
-def _logits(p: Floats) -> Floats:
-    clipped = np.clip(p, SURE, 1 - SURE)
-    return np.asarray(np.log(clipped / (1 - clipped)), np.float32)
 
 
 def _window_and_unseen(polar: PolarView, rules: RangingParams) -> tuple[int, int]:

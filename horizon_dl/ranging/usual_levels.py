@@ -1,13 +1,15 @@
 """What a learner usually says of floor and obstacles: the scale on which one picture of it is read."""
 
-import math
 from dataclasses import dataclass
+
+from horizon_dl.uncertainty.measures import log_odds
 
 USUAL_CONTRAST = 0.9
 """Log odds; what is taken where nobody was asked."""
 LEAST_CONTRAST, MOST_CONTRAST = 0.5, 1.7
 """Log odds; three recordings and nine simulated worlds had .7 to 1.7, beyond that nothing was tried."""
-SURE = 1e-3
+LEAST_P = 1e-3
+"""Probabilities count as this far from 0 and 1 at least."""
 
 
 @dataclass(frozen=True)
@@ -32,15 +34,5 @@ class UsualLevels:
         """How far obstacles stand out from the floor, log odds."""
         if self.obstacle is None:
             return USUAL_CONTRAST
-        return min(max(logit(self.obstacle) - logit(self.floor), LEAST_CONTRAST), MOST_CONTRAST)
-
-
-def logit(p: float) -> float:
-    """Log odds of a probability, those of .001 and .999 at most.
-
-    Example:
-        >>> logit(0.5), round(logit(0.0), 2)
-        (0.0, -6.91)
-    """
-    p = min(max(p, SURE), 1.0 - SURE)
-    return math.log(p / (1.0 - p))
+        floor, obstacle = log_odds([self.floor, self.obstacle], LEAST_P).tolist()
+        return float(min(max(obstacle - floor, LEAST_CONTRAST), MOST_CONTRAST))

@@ -7,6 +7,7 @@ from skimage.color import rgb2lab
 from skimage.graph import MCP_Geometric
 
 from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
+from horizon_dl.uncertainty.measures import log_odds
 
 LEAST_P = 0.002
 """Learned probabilities are kept this far from 0 and 1 before their logit is taken."""
@@ -100,7 +101,7 @@ def confident_seeds(elevation: Map, p_above: Map, params: GeodesicParams = GEODE
 
     Where the net is nearly as sure of a dark obstacle as of the floor, the floor is what lies lower.
     """
-    odds = np.where(elevation > 0.0, 1.0, -1.0) * logit(p_above)
+    odds = np.where(elevation > 0.0, 1.0, -1.0) * log_odds(p_above, LEAST_P)
     sureness = odds + params.angle_weight * relative_angle(elevation)
     sure = np.zeros(elevation.shape, bool)
     for side in (elevation > 0.0, elevation <= 0.0):
@@ -151,13 +152,6 @@ def path_cost(cost: Map, seeds: NDArray[np.bool_]) -> Floats:
     return distance
 
 
-def logit(p: Map) -> Map:
-    """Log odds, nats, of probabilities kept `LEAST_P` from 0 and 1."""
-    p = p.clip(LEAST_P, 1.0 - LEAST_P)
-    odds: Map = np.log(p / (1.0 - p))
-    return odds
-
-
 def traversal_cost(
     image: NDArray[np.uint8],
     elevation: Map,
@@ -180,7 +174,7 @@ def traversal_cost(
     blur_px = params.blur * np.sqrt(image.shape[0] * image.shape[1])
     cost = edge_cost(lab_gradient(image, blur_px, params.chroma), params)
     if p_above is not None:
-        learned = gradient_size(logit(p_above)[..., None], blur_px / 2)
+        learned = gradient_size(log_odds(p_above, LEAST_P)[..., None], blur_px / 2)
         cost = params.image_share * cost + edge_cost(learned, params)
     # The path finder crashes on NaN, which a net that went astray may give.
     barred = np.isnan(elevation) | np.isnan(cost)

@@ -1,6 +1,7 @@
 """Measures of uncertainty from samples of the probability of above, in bits."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,6 +80,17 @@ def p_of_entropy(entropy: float) -> float:
     """
     p = np.linspace(1e-6, 0.5, 20001)
     return float(np.interp(entropy, -p * np.log2(p) - (1 - p) * np.log2(1 - p), p))
+
+
+def log_odds(p: ArrayLike, least: float) -> NDArray[Any]:
+    """Log odds, nats, of probabilities that are kept `least` from 0 and 1; float32 stays so.
+
+    Example:
+        >>> log_odds([0.0, 0.5, 1.0], 0.1).round(2).tolist()
+        [-2.2, 0.0, 2.2]
+    """
+    kept = np.clip(np.asarray(p), least, 1.0 - least)
+    return np.asarray(np.log(kept / (1.0 - kept)))
 
 
 def p_other_side(p_above: NDArray[np.float32], above: NDArray[np.bool_]) -> NDArray[np.float32]:
