@@ -29,8 +29,8 @@ class FreeDistances:
             farthest ground in view: inf up to the horizon, less where the camera looks down. NaN where
             unknown, and without a height.
         sd_m: its standard deviation towards the camera; NaN where there is no finite distance.
-        sd_beyond_m: and away from it: the same, or, if `free_distances_from_p` was asked, more where the contact is
-            not seen: the ground that is taken for an obstacle may be floor.
+        sd_beyond_m: and away from it: the same; more, if `free_distances_from_p` was asked, where the contact
+            is not seen, as what is taken for an obstacle may be floor.
         depression_rad: of the contact, or of the farthest ground in view where free; NaN where unknown.
         contact_seen: False where the obstacle covers the nearest visible ground: it is at most that far away.
         nearest_rad: depression of the nearest ground that the camera sees; 0 outside of its view.
