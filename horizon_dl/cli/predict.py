@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 
 MOST_PANELS = 1000
+NO_ATTITUDE = "without an attitude there is no horizon: nothing is called free, and there are no distances"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -72,6 +73,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.video and not can_film():
         raise InputError("--video", "needs av", "pip install 'horizon-dl[logs]'")
     _say_without_height(arguments, source)
+    if _lacks_attitude(source):
+        print(f"note: {NO_ATTITUDE}; --attitude gives one")
     length = _length(arguments, source)
     every = arguments.every or every_nth(length)
     if every > 1:
@@ -115,6 +118,13 @@ def _say_without_height(arguments: argparse.Namespace, source: "FrameSource") ->
     asked = arguments.vehicle_height is not None and arguments.vehicle_height.below_m > 0
     if asked and isinstance(source, Recording) and all(one.height_m is None for one in source.headers):
         print("no height of the camera is known: --vehicle-height lets nothing pass, all obstacles block")
+
+
+def _lacks_attitude(source: "FrameSource") -> bool:
+    """Whether it is clear beforehand that no frame has an attitude."""
+    from horizon_dl.data.source import Recording
+
+    return isinstance(source, Recording) and all(one.up_cam is None for one in source.headers)
 
 
 def _length(arguments: argparse.Namespace, source: "FrameSource") -> int | None:
@@ -164,6 +174,6 @@ def _lead(page: "Page", predictor: "Predictor", source: "FrameSource") -> str:
     note = predictor.note()
     if note:
         words += f" {note[0].upper()}{note[1:]}."
-    if source.camera is None:
-        words += " Without a camera and an attitude there is no horizon, and there are no distances."
+    if source.camera is None or _lacks_attitude(source):
+        words += f" {NO_ATTITUDE[0].upper()}{NO_ATTITUDE[1:]}."
     return words

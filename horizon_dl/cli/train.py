@@ -14,7 +14,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
-from horizon_dl.cli.options import add_config, add_data, add_out, open_data, resolve_config, say_skipped
+from horizon_dl.cli.options import (
+    add_config,
+    add_data,
+    add_out,
+    data_words,
+    open_data,
+    resolve_config,
+    say_skipped,
+)
 from horizon_dl.cli.stopping import stopping
 
 if TYPE_CHECKING:
@@ -74,7 +82,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         print(f"the net says of itself: {doubt}")
     print(f"look at {arguments.out / 'index.html'}")
     verb = "evaluate" if any(header.labelled for header in recording.headers) else "predict"
-    print(f"wrote {arguments.out}; next: horizon-dl {verb} {arguments.out} {arguments.data} --out DIR")
+    print(f"wrote {arguments.out}; next: horizon-dl {verb} {arguments.out} {data_words(arguments)} --out DIR")
     told = (
         "frames",
         "start",
