@@ -151,7 +151,7 @@ def _travel(check: DataCheck) -> Iterator[Finding]:
         hint = "Check that the log holds the measured attitude and not a constant."
         yield Finding("warning", "The attitude is the same in all frames.", hint)
     elif labels.fixed_line_accuracy > 0.99:
-        hint = "Record with more pitch, roll or height; keep random crops and small receptive fields on."
+        hint = "Record with more pitch, roll or height; leave train.crop and train.pastes as they are."
         yield Finding("warning", f"{text}, so a net can learn the row in place of the looks.", hint)
     else:
         yield Finding("ok", f"{text}.")
