@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from small_run import model_file, toy_set
 
 from horizon_dl.cli import main
-from horizon_dl.cli.options import add_data, data_words
+from horizon_dl.cli.data_options import add_data, data_words
 
 WORD = st.text(st.characters(codec="ascii", exclude_characters="\0\n\r"), min_size=1)
 

@@ -16,7 +16,8 @@ a degree. Where no upright edges are in view, it says so and ends with exit code
 import argparse
 from typing import Any
 
-from horizon_dl.cli.options import add_data, add_out, open_finding_axes
+from horizon_dl.cli.data_options import add_data, open_finding_axes
+from horizon_dl.cli.options import add_out
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

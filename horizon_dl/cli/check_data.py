@@ -11,7 +11,8 @@ from dataclasses import replace
 from typing import Any
 
 from horizon_dl.cli.console import with_level
-from horizon_dl.cli.options import add_config, add_data, add_out, open_finding_axes, resolve_config
+from horizon_dl.cli.data_options import add_data, open_finding_axes
+from horizon_dl.cli.options import add_config, add_out, resolve_config
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -10,14 +10,13 @@ is used for scoring alone.
 import argparse
 from typing import Any
 
+from horizon_dl.cli.data_options import add_data, open_data
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import (
     add_config,
-    add_data,
     add_out,
     add_scheduler,
     add_vehicle_height,
-    open_data,
     positive_int,
     resolve_config,
     say_skipped,

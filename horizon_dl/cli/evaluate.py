@@ -10,15 +10,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from horizon_dl.cli.options import (
-    add_data,
-    add_out,
-    add_scheduler,
-    add_vehicle_height,
-    is_model_file,
-    open_data,
-    say_skipped,
-)
+from horizon_dl.cli.data_options import add_data, open_data
+from horizon_dl.cli.options import add_out, add_scheduler, add_vehicle_height, is_model_file, say_skipped
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

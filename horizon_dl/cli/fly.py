@@ -14,13 +14,12 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from horizon_dl.cli.data_options import add_given, given
 from horizon_dl.cli.options import (
     add_autopilot,
-    add_given,
     add_values,
     add_vehicle_height,
     check_autopilot,
-    given,
     positive_int,
 )
 from horizon_dl.cli.viewers import add_viewers

@@ -15,15 +15,14 @@ the same command goes on where the last checkpoint was taken.
 import argparse
 from typing import TYPE_CHECKING, Any
 
+from horizon_dl.cli.data_options import add_data, given
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import (
     add_autopilot,
     add_config,
-    add_data,
     add_out,
     add_sign,
     check_autopilot,
-    given,
     positive_int,
     resolve_config,
     signer,

@@ -13,15 +13,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.options import (
-    add_data,
-    add_out,
-    add_vehicle_height,
-    given,
-    is_model_file,
-    positive_int,
-    say_skipped,
-)
+from horizon_dl.cli.data_options import add_data, given
+from horizon_dl.cli.options import add_out, add_vehicle_height, is_model_file, positive_int, say_skipped
 
 if TYPE_CHECKING:
     from horizon_dl.data.source import FrameSource

@@ -13,16 +13,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from horizon_dl.cli.data_options import add_data, data_words, open_data
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
-from horizon_dl.cli.options import (
-    add_config,
-    add_data,
-    add_out,
-    data_words,
-    open_data,
-    resolve_config,
-    say_skipped,
-)
+from horizon_dl.cli.options import add_config, add_out, resolve_config, say_skipped
 from horizon_dl.cli.stopping import stopping
 
 if TYPE_CHECKING:

@@ -45,9 +45,9 @@ class Place:
             before it was kept.
         offset_rad: between the horizons of net and attitude on them, least and greatest without a twentieth
             of the pictures on either side; None as of `floor_p`.
-        obstacle_p: `p_above` that best parts obstacles from floor, see `UsualLevels`; None as of `floor_p`.
         flat: (16, 16, 16) bool, colours that ground without any change from pixel to pixel often had, as in
             films that a codec has smoothed; never black, nor with a full channel. None as of `floor_p`.
+        obstacle_p: `p_above` that best parts obstacles from floor, see `UsualLevels`; None as of `floor_p`.
     """
 
     low: tuple[float, ...]
