@@ -80,6 +80,7 @@ class TrainConfig(Section):
     learning_rate: Positive = 0.003
     weight_decay: Annotated[float, Field(ge=0.0)] = 0.0001
     average_decay: Share = 0.98
+    crops_per_frame: Count = 8
     memory_mb: Count = 1024
 
 

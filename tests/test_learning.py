@@ -11,6 +11,7 @@ from horizon_dl.data.image_folder import FrameFiles
 from horizon_dl.errors import InputError
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.readers.registry import open_recording
+from horizon_dl.training import train
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import TrainingFrame, draw_batch
 from horizon_dl.training.frame_store import FramePool, FrameStore
@@ -91,23 +92,38 @@ def test_pixels_in_the_band_do_not_count(toy, config):
     assert np.array_equal(frame.valid_mask, ~near)
 
 
-def test_a_pool_too_small_for_the_set_exchanges_its_frames(toy, config):
-    store = FrameStore(toy, config)
-    rng = np.random.default_rng(0)
-
+def pool_of(store, rng, *, most=100, memory_mb=64.0, held=None):
     def make(view):
-        return half_resolution_frame(view, config, None)
+        return half_resolution_frame(view, store.config, None)
 
-    whole = FramePool(store, range(24), make_frame=make, memory_mb=64, rng=rng)
-    assert whole.complete
-    assert len(whole.frames) == 24
-    bytes_mb = whole.frames[0].nbytes / 2**20
-    tight = FramePool(store, range(24), make_frame=make, memory_mb=4 * bytes_mb, rng=rng)
-    assert not tight.complete
-    size = len(tight.frames)
-    seen = {id(frame) for _ in range(40) for frame in tight.draw(2)}
-    assert len(tight.frames) == size
-    assert len(seen) > size
+    return FramePool(store, range(24), make_frame=make, most=most, memory_mb=memory_mb, rng=rng, held=held)
+
+
+def test_a_pool_holds_what_is_enough_and_what_fits(toy, config):
+    store, rng = FrameStore(toy, config), np.random.default_rng(0)
+    whole = pool_of(store, rng)
+    assert sorted(whole.held) == list(range(24))
+    frame_mb = whole.frames[0].nbytes / 2**20
+    enough, another = (pool_of(store, rng, most=5) for _ in range(2))
+    assert len(enough.frames) == len(set(enough.held)) == 5
+    assert set(enough.held) != set(another.held)
+    tight = pool_of(store, rng, memory_mb=4.5 * frame_mb)
+    assert len(tight.frames) == 5
+    again = pool_of(store, rng, memory_mb=4.5 * frame_mb, held=tight.held)
+    assert again.held == tight.held
+
+
+def test_a_round_makes_no_more_targets_than_its_crops_need(toy, monkeypatch):
+    made = []
+
+    def noted(view, *args):
+        made.append(view)
+        return half_resolution_frame(view, *args)
+
+    monkeypatch.setattr(train, "half_resolution_frame", noted)
+    config = load_config(None, [*SMALL, "train.rounds=[4, 2]", "train.batch=6", "train.crops_per_frame=2"])
+    train_net(FrameStore(toy, config), range(24), seed=0)
+    assert len(made) == 4 * 6 // 2 + 2 * 6 // 2
 
 
 @pytest.mark.parametrize("rounds", ["[1]", "[2]", "[3, 10]"])

@@ -12,7 +12,7 @@ from horizon_dl.errors import InputError
 from horizon_dl.output.files import replacing
 from horizon_dl.training.tensor_file import read_tensors, write_tensors
 
-FORMAT = 5
+FORMAT = 6
 SEPARATOR = "/"
 _VALUES = "values"
 

@@ -1,6 +1,7 @@
 """Reading a recording for learning: what cannot be read is skipped and counted, memory is bounded."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import islice
 from typing import Any, TypeVar
 
 import numpy as np
@@ -87,20 +88,22 @@ class FrameStore:
 
 
 class FramePool:
-    """Training frames in bounded memory.
-
-    Sets that fit are held whole. Of larger ones the pool holds a random part, and every draw exchanges one
-    frame of it for the next one not held.
+    """The training frames of a round: a random part of a recording, in bounded memory.
 
     Args:
         store: where frames come from.
         indices: which of them.
         make_frame: what is kept of a frame.
+        most: frames that are enough.
         memory_mb: what the pool may hold.
         rng: random numbers; those of crops, too.
         progress: show a bar.
         title: stands before the bar, such as "round 1 of 3".
-        state: of `state`, to hold the same frames again.
+        held: of another pool, to hold the same frames again.
+
+    Attributes:
+        frames: what was made of them.
+        held: their indices, in the same order.
     """
 
     def __init__(
@@ -109,62 +112,39 @@ class FramePool:
         indices: Sequence[int],
         *,
         make_frame: Callable[[View], TrainingFrame],
-        memory_mb: int,
+        most: int,
+        memory_mb: float,
         rng: np.random.Generator,
         progress: bool = False,
         title: str = "",
-        state: dict[str, Any] | None = None,
+        held: Sequence[int] | None = None,
     ) -> None:
-        self._store = store
-        self._make_frame = make_frame
-        self._indices = indices
         self._rng = rng
         self.frames: list[TrainingFrame] = []
-        self._held: list[int] = []
-        self._waiting: list[int] = []
-        self.complete = False
-        self._bar = f"{title}, targets" if title else "targets"
-        if state is None:
-            order = [int(index) for index in rng.permutation(indices)]
-            self.complete = self._fill(order, memory_mb * 2**20, progress)
-        else:
-            self._fill(state["held"], None, progress)
-            self._waiting, self.complete = list(state["waiting"]), bool(state["complete"])
+        self.held: list[int] = []
+        order = rng.permutation(indices).tolist() if held is None else held
+        numbered = store.usable((index, _numbered(store, index)) for index in order)
+        bar = show_progress(
+            islice(numbered, most),
+            f"{title}, targets" if title else "targets",
+            total=min(most, len(order)),
+            unit="frame",
+            disable=not progress,
+        )
+        free_bytes = memory_mb * 2**20
+        for index, view in bar:
+            self.frames.append(make_frame(view))
+            self.held.append(index)
+            free_bytes -= self.frames[-1].nbytes
+            if free_bytes < 0.0:
+                break
 
     def draw(self, count: int) -> list[TrainingFrame]:
         """`count` frames at random; without repetition where the pool is large enough."""
-        if not self.complete:
-            index, frame = self._next()
-            place = int(self._rng.integers(len(self.frames)))
-            self.frames[place], self._held[place] = frame, index
         chosen = self._rng.choice(len(self.frames), count, replace=count > len(self.frames))
         return [self.frames[i] for i in chosen]
 
-    def state(self) -> dict[str, Any]:
-        """Which frames are held and which come next, for JSON."""
-        return {"held": list(self._held), "waiting": list(self._waiting), "complete": self.complete}
 
-    def _fill(self, order: Sequence[int], limit_bytes: int | None, progress: bool) -> bool:
-        """Whether all fit."""
-        held = 0
-        numbered = self._store.usable((index, self._numbered(index)) for index in order)
-        bar = show_progress(numbered, self._bar, total=len(order), unit="frame", disable=not progress)
-        for index, view in bar:
-            self.frames.append(self._make_frame(view))
-            self._held.append(index)
-            held += self.frames[-1].nbytes
-            if limit_bytes is not None and held > limit_bytes:
-                return False
-        return True
-
-    def _next(self) -> tuple[int, TrainingFrame]:
-        while True:
-            if not self._waiting:
-                self._waiting = [int(index) for index in self._rng.permutation(self._indices)]
-            index = self._waiting.pop(0)
-            for _, view in self._store.usable([(index, self._numbered(index))]):
-                return index, self._make_frame(view)
-
-    def _numbered(self, index: int) -> tuple[int, View] | FrameError:
-        found = self._store.read(index)
-        return found if isinstance(found, FrameError) else (index, found[1])
+def _numbered(store: FrameStore, index: int) -> tuple[int, View] | FrameError:
+    found = store.read(index)
+    return found if isinstance(found, FrameError) else (index, found[1])

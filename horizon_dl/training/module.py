@@ -135,18 +135,15 @@ class CropStream(IterableDataset[Batch]):
         self._drawn = 0
         self._before: dict[int, dict[str, Any]] = {}
 
-    def state(self, drawn: int) -> dict[str, Any]:
-        """Random numbers and pool as they were after so many batches: later ones may be drawn ahead."""
+    def random_state(self, drawn: int) -> dict[str, Any]:
+        """Random numbers as they were after so many batches: later ones may be drawn ahead."""
         return self._before[drawn]
 
     def __iter__(self) -> Iterator[Batch]:
         size, count, number = self._config.batch, process_count(), process_number()
         own = slice(number * size, (number + 1) * size)
         while True:
-            self._before[self._drawn] = {
-                "random": self._rng.bit_generator.state,
-                "pool": self._pool.state(),
-            }
+            self._before[self._drawn] = dict(self._rng.bit_generator.state)
             self._before.pop(self._drawn - DRAWN_AHEAD, None)
             self._drawn += 1
             frames = self._pool.draw(size * count)

@@ -15,7 +15,7 @@ import torch
 from lightning.pytorch.loggers import Logger
 from torch.utils.data import DataLoader
 
-from horizon_dl.config import Config, TrainerConfig
+from horizon_dl.config import Config, TrainConfig, TrainerConfig
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.models.fcn import HorizonFCN
@@ -123,11 +123,12 @@ def _train_round(
         store,
         indices,
         make_frame=_frame_maker(config, guide, plan.taught, keeper),
+        most=frames_of_round(steps, plan.settings),
         memory_mb=config.train.memory_mb,
         rng=rng,
         progress=progress,
         title=title,
-        state=within.values["pool"] if within else None,
+        held=within.values["held"] if within else None,
     )
     if within is not None:
         rng.bit_generator.state = within.values["random"]
@@ -140,7 +141,8 @@ def _train_round(
         tensors, values = module.snapshot()
         if guide is not None:
             tensors |= {f"guide.{name}": tensor for name, tensor in guide.state_dict().items()}
-        values |= {**stream.state(module.taken - first), "frames": store.state()}
+        random = stream.random_state(module.taken - first)
+        values |= {"random": random, "held": pool.held, "frames": store.state()}
         keeper.save(RoundState(number, module.taken, tensors, values))
         module.trainer.should_stop = keeper.stopped
 
@@ -162,6 +164,15 @@ def _train_round(
     if keeper is not None and module.taken < steps:
         keeper.check_stop()
     return cast(HorizonFCN, module.average.module).cpu().eval()
+
+
+def frames_of_round(steps: int, settings: TrainConfig) -> int:
+    """How many frames a round learns from: a batch at least, and so many that each gives enough crops.
+
+    Making a frame's target takes as long as learning from ten of its crops, and frames that follow each other
+    show much the same: a long recording takes no longer than a short one.
+    """
+    return max(settings.batch, steps * settings.batch // settings.crops_per_frame)
 
 
 def _frame_maker(
