@@ -261,7 +261,21 @@ def test_glitches_do_not_make_degrees() -> None:
     angles[[3, 700]] = 99.0
     assert angle_unit([angles], [], "rad") == "rad"
     assert angle_unit([angles * 0.01], [np.linspace(0, 40, 1000)], "rad") == "rad"  # counts its turns
-    assert angle_unit([angles], [np.linspace(0, 359, 1000)], None) == "deg"
+    assert angle_unit([angles * 10.0], [np.linspace(0, 359, 1000)], None) == "deg"
+
+
+def test_a_heading_in_degrees_says_nothing_of_small_angles() -> None:
+    small, heading = np.linspace(-0.4, 0.4, 1000), np.linspace(0, 359, 1000)
+    with pytest.raises(DoubtError, match="heading"):
+        angle_unit([small, small], [heading], None)
+
+
+@pytest.mark.parametrize("per_degree", [10, 100, 1000])
+@pytest.mark.parametrize("named", [None, "rad", "deg"])
+def test_parts_of_a_degree_are_not_taken_for_degrees(per_degree: int, named: str | None) -> None:
+    pitch = 40.0 * np.sin(np.linspace(0, 20, 1000)) * per_degree
+    with pytest.raises(DoubtError, match="tenths"):
+        angle_unit([pitch], [], named)
 
 
 @pytest.mark.parametrize(

@@ -98,6 +98,7 @@ def image_recording(
     range_unit: RangeUnit = RangeUnit(),
     notes: tuple[str, ...] = (),
     reading: Reading | None = None,
+    needs_attitude: bool = True,
 ) -> Recording:
     """A recording of image files, sorted by time.
 
@@ -113,9 +114,10 @@ def image_recording(
         range_unit: see `ImageLoader`.
         notes: see `Recording`.
         reading: see `Recording`.
+        needs_attitude: False where the clock is still to be found.
 
     Raises:
-        InputError: no frames, no image on disk, or no attitude at any frame's time.
+        InputError: no frames, no image on disk, or no attitude at any frame's time, where one is needed.
     """
     ordered = sorted(frames, key=lambda pair: pair[0].time_s)
     if not ordered:
@@ -129,7 +131,7 @@ def image_recording(
     if not any(one.image.is_file() for one in files):
         problem = f"none of the {len(files)} images is there, as {headers[0].name}"
         raise InputError(where, problem, "copy the images beside it")
-    if all(header.up_cam is None for header in headers):
+    if needs_attitude and all(header.up_cam is None for header in headers):
         problem = f"no frame has an attitude from {attitude_from}"
         raise InputError(where, problem, "check that its values are numbers")
     load, note = image_loader(files, rotate_quarter_turns_ccw, range_unit, most_pixels(camera))

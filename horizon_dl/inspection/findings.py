@@ -62,7 +62,7 @@ def _missing_attitudes(check: DataCheck) -> Iterator[Finding]:
         yield Finding(
             "warning",
             f"{missing} of {check.frames} frames have no attitude and are left out.",
-            "Log the attitude over the whole recording, on the images' clock.",
+            "Log the attitude over the whole recording, ten times a second or more, on the images' clock.",
             "most frames have no attitude" if share > 0.5 else "",
         )
     elif missing:

@@ -4,12 +4,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from horizon_dl.calibration.calibration import Calibration
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
 from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.errors import InputError
+from horizon_dl.geometry.attitude import MAX_GAP_S
 
 LEAST_UNIX_S = 5e8
 """Larger times, s, count from 1970."""
@@ -58,7 +61,17 @@ def headers_by_log(
         if inside >= OVERLAP_SHARE * len(names)
         else (Doubt(f"Only {inside} of {len(names)} frames lie inside the log; {suggestion(times_s, log)}."),)
     )
-    return headers, moved, (f"Clocks: {ranges}.", *few, *log.notes)
+    return headers, moved, (f"Clocks: {ranges}.", *few, *_slow(log), *log.notes)
+
+
+def _slow(log: AttitudeLog) -> tuple[Doubt, ...]:
+    """What is said of a log whose usual step nears the longest that is bridged."""
+    steps_s = np.diff(log.times_s)
+    step_s = float(np.median(steps_s[steps_s > 0.0])) if (steps_s > 0.0).any() else 0.0
+    if step_s < 0.75 * MAX_GAP_S:
+        return ()
+    says = f"The log has an attitude every {step_s:.2f} s, and gaps over {MAX_GAP_S:g} s are not bridged"
+    return (Doubt(f"{says}: frames between are left out. Log ten times a second or more."),)
 
 
 def _since_1970(log: AttitudeLog, times_s: Sequence[float]) -> AttitudeLog:

@@ -1,6 +1,7 @@
 """Finds the table that lists the images of a folder, and the images that it names."""
 
 from pathlib import Path, PurePosixPath
+from unicodedata import normalize
 
 from horizon_dl.data.tables.columns import find_columns
 from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, images_in, inside_folder
@@ -50,7 +51,7 @@ def _by_stem(table: Path, names: list[str]) -> list[Path] | None:
     """Images that the table names without a suffix, or in other letters; None: not all are there."""
     for place in (".", *IMAGE_FOLDERS):
         images = images_in(table.parent / place)
-        stems = {image.stem.lower(): image for image in images}
+        stems = {normalize("NFC", image.stem.lower()): image for image in images}
         wanted = [_stem(name) for name in names]
         if images and len(stems) == len(images) and all(stem in stems for stem in wanted):
             return [table.parent / place / stems[stem].name for stem in wanted]
@@ -58,7 +59,7 @@ def _by_stem(table: Path, names: list[str]) -> list[Path] | None:
 
 
 def _stem(name: str) -> str:
-    last = PurePosixPath(name).name.lower()
+    last = normalize("NFC", PurePosixPath(name).name.lower())  # a Mac writes accents as letters of their own
     return last[: -len(PurePosixPath(last).suffix)] if last.endswith(IMAGE_SUFFIXES) else last
 
 

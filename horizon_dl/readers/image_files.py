@@ -7,6 +7,7 @@ import numpy as np
 
 from horizon_dl.calibration.calibration import Calibration, read_calibration
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
+from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.image_folder import FrameFiles, image_loader, image_recording
@@ -87,7 +88,9 @@ def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Giv
             attitude_from="--attitude",
             rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
             mount_rpy_rad=calibration.mount_rpy_rad,
-            notes=notes,
+            notes=(*calibration.notes, *notes),
+            reading=reading_with(Convention(), calibration.mount_rpy_rad),
+            needs_attitude=not given.find_offset,
         ),
         attitudes=moved,
     )

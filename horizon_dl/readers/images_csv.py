@@ -77,6 +77,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         reading=reading_with(
             convention_of(columns) if given.attitude is None else Convention(), calibration.mount_rpy_rad
         ),
+        needs_attitude=not given.find_offset,
     )
     return replace(recording, attitudes=moved)
 

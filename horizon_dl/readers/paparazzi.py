@@ -146,15 +146,16 @@ def _log_of(place: Path) -> Path | None:
     """The CSV with an attitude that belongs to a folder of images: beside it under its name, or inside it."""
     beside_it = place.parent / f"{place.name}.csv"
     candidates = [beside_it, *sorted(place.glob("*.csv"))]
-    return next((path for path in candidates if path.is_file() and _has_time(path)), None)
+    return next((path for path in candidates if path.is_file() and _has_attitude(path)), None)
 
 
-def _has_time(path: Path) -> bool:
-    """Whether a table's header has a column `time`, as the file logger's has."""
+def _has_attitude(path: Path) -> bool:
+    """Whether a table's header is the file logger's."""
     try:
-        return "time" in (cell.strip().lower() for cell in read_lines(path)[0].split(","))
+        names = {cell.strip() for cell in read_lines(path)[0].split(",")}
     except (InputError, IndexError):
         return False
+    return "time" in names and not names.isdisjoint((*ANGLES, *QUATERNION))
 
 
 def _near(place: Path, name: str) -> Path:

@@ -2,18 +2,20 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.convention import Convention
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import Given
 from horizon_dl.data.tables.columns import (
     LENGTH_UNITS,
     TIME_UNITS,
     Column,
+    columns_beside,
     is_of_message,
     nanoseconds_beside,
     require,
@@ -21,7 +23,7 @@ from horizon_dl.data.tables.columns import (
 from horizon_dl.data.tables.iso_time import seconds_of_dates
 from horizon_dl.data.tables.parsing import usable_quaternions
 from horizon_dl.data.tables.table import Table
-from horizon_dl.data.tables.units import UNIT_NAMES, DoubtError, Steps, angle_unit, clock_unit
+from horizon_dl.data.tables.units import UNIT_NAMES, DoubtError, Steps, angle_unit, clock_unit, counts_degrees
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, yaw_of
 
@@ -76,6 +78,19 @@ def read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeColu
     Raises:
         InputError: there is neither, a cell is no number, or the angles' unit is not certain.
     """
+    rows = _read_attitudes(table, columns, given)
+    others = columns_beside(table, columns)
+    if not others:
+        return rows
+    roll = columns["qw" if "qw" in columns else "roll"].name
+    beside = Doubt(
+        f"the attitude is the camera's or gimbal's, of '{roll}' and so on, and not that of '{others[0]}' "
+        "beside it; remove the columns that do not turn with the camera"
+    )
+    return replace(rows, notes=(*rows.notes, beside))
+
+
+def _read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeColumns:
     heights_m = _optional(table, columns, "height")
     if "height" in columns:
         heights_m *= LENGTH_UNITS[columns["height"].unit or "m"]
@@ -123,7 +138,8 @@ def _angles_rad(table: Table, columns: Columns, given: Given) -> tuple[Floats, t
         unit = given.angle_unit or _decided(table, angle_unit, levels, headings, named)
         for role in group:
             place = ("roll", "pitch", "yaw").index(role)
-            angles[:, place] = np.deg2rad(raw[role]) if unit == "deg" else raw[role]
+            in_degrees = unit == "deg" or (role == "yaw" and named is None and counts_degrees(raw[role]))
+            angles[:, place] = np.deg2rad(raw[role]) if in_degrees else raw[role]
         if named and unit not in (named, given.angle_unit):
             names = ", ".join(columns[role].name for role in group)
             notes.append(f"{names} are read as degrees: as radians they are over a full turn")

@@ -14,6 +14,14 @@ MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
 
+UNPACK = "it is packed: unpack it and give the file in it"
+NO_TEXT = {
+    **dict.fromkeys((".gz", ".zip", ".7z", ".xz", ".bz2", ".zst", ".tar", ".tgz"), UNPACK),
+    ".tlog": "it is MAVLink telemetry: make a table of its ATTITUDE messages (time_s, roll_rad, pitch_rad)",
+    ".xlsx": "it is a spreadsheet: save it as CSV",
+}
+"""What to do with files that are no text, by their suffix."""
+
 
 def read_lines(path: Path) -> list[str]:
     """Lines of a text file without blank ones.
@@ -27,7 +35,8 @@ def read_lines(path: Path) -> list[str]:
     except FileNotFoundError:
         raise InputError(path, "is missing", "restore the file") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, f"cannot be read as text ({type(error).__name__})", "check the file") from None
+        way_out = NO_TEXT.get(path.suffix.lower(), "check the file")
+        raise InputError(path, f"cannot be read as text ({type(error).__name__})", way_out) from None
     return [line for line in text.splitlines() if line.strip()]
 
 

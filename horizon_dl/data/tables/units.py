@@ -15,6 +15,9 @@ UNIT_NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": 
 EPOCH_S = (1e9, 2.3e9)
 """Unix time from 2001 to 2042."""
 
+STILL_DEG = 0.6
+"""Rolls and pitches within this may as well be radians, of up to 34 degrees."""
+
 SHORTEST_NAMED_S = 2e-5
 """Shorter steps, of over 50 kHz, make one doubt a named unit; so do longer ones than the clock's kind has."""
 
@@ -87,21 +90,35 @@ def angle_unit(levels: Sequence[Floats], headings: Sequence[Floats], named: str 
         named: the unit in the columns' names, or None.
 
     Raises:
-        DoubtError: none is named, and all angles are small.
+        DoubtError: none is named, and all angles are small, or roll and pitch alone; or they are in neither.
 
     Example:
         >>> angle_unit([np.array([3.0, 12.0, 14.0])], [], None)
         'deg'
     """
+    if any(_often_over(values, 360.0) for values in levels):
+        looks = (
+            "roll and pitch are over a full turn in degrees, too: tenths, hundredths or thousandths of one"
+        )
+        raise DoubtError(looks, "divide them, and name the columns roll_deg and pitch_deg")
     if named == "deg":
         return "deg"
     if any(_often_over(values, 2 * math.pi) for values in levels):
         return "deg"
     if named:
         return named
-    if any(_often_over(values, 8 * math.pi) for values in headings):
+    hint = "--angle-unit rad or --angle-unit deg"
+    if any(counts_degrees(values) for values in headings):
+        if levels and not any(_often_over(values, STILL_DEG) for values in levels):
+            looks = "the heading is in degrees, and roll and pitch are so small that they may be radians"
+            raise DoubtError(looks, hint)
         return "deg"
-    raise DoubtError("the angles have no unit", "--angle-unit rad or --angle-unit deg")
+    raise DoubtError("the angles have no unit", hint)
+
+
+def counts_degrees(headings: Floats) -> bool:
+    """Whether headings (N,) are degrees: as radians they would count more turns than one flies."""
+    return _often_over(headings, 8 * math.pi)
 
 
 def _often_over(values: Floats, limit: float) -> bool:
