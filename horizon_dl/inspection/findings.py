@@ -129,7 +129,7 @@ def _attitude(check: DataCheck) -> Iterator[Finding]:
         f"pitch {pitch.p5:.1f} to {pitch.p95:.1f} (median {pitch.p50:.1f})."
     )
     if roll.spread > 150 or pitch.spread > 100:
-        hint = "Check the units (roll_rad and pitch_rad are radians) and the order of quaternions."
+        hint = "Check the units (parts of a degree have to be divided first) and the order of quaternions."
         yield Finding("warning", text, hint, "the attitude covers an unlikely range")
     elif abs(roll.p50) > 45:
         hint = "The camera seems to lie on its side or upside down: check rotate_image and mount_rpy_deg."

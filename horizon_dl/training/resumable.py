@@ -32,7 +32,7 @@ class RoundState:
         number: of the round, from 0; that of the rounds where all are done.
         step: steps taken in it.
         tensors: net and guide at least; see `HorizonModule.snapshot` for what comes within a round.
-        values: random numbers, pool and skipped frames.
+        values: random numbers, the frames held and those skipped.
     """
 
     number: int
