@@ -218,3 +218,14 @@ def test_files_that_are_no_text_get_a_way_out(
     words = ["check-data", str(folder), "--camera", camera, "--attitude", str(tmp_path / name)]
     assert main(words) == 2
     assert way_out in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("name", "told"), [("log.csv", "--attitude log.csv"), ("flight.bag.gz", "unpack"), ("set.zip", "unpack")]
+)
+def test_a_log_or_a_packed_file_given_as_a_recording(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, told: str
+) -> None:
+    (tmp_path / name).write_bytes(b"time,roll_deg,pitch_deg\n1,2,3\n")
+    assert main(["check-data", str(tmp_path / name)]) == 2
+    assert told in capsys.readouterr().err

@@ -8,6 +8,7 @@ from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.regular_file import check_there
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import images_in, relative_name
+from horizon_dl.data.tables.text import PACKED, UNPACK
 from horizon_dl.errors import InputError
 from horizon_dl.readers import (
     dji_photos,
@@ -138,6 +139,13 @@ def _found(path: Path, readers: dict[str, Reader], broken: dict[str, str]) -> tu
         names = ", ".join(one.name for one in films[:5])
         problem = f"holds {len(films)} films: {names}{', ...' * (len(films) > 5)}"
         raise InputError(path, problem, "give one of them")
+    if path.is_file() and path.suffix.lower() in film.LOG_SUFFIXES:
+        way_out = (
+            f"give its film or the folder of its pictures, with --attitude {path.name} and --camera FILE"
+        )
+        raise InputError(path, "is no recording; by its name it is a log", way_out)
+    if path.is_file() and path.suffix.lower() in PACKED:
+        raise InputError(path, "is no recording, but packed", UNPACK)
     needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in readers.items())
     unusable = "".join(f"; {name} is installed, but {why}" for name, why in broken.items())
     empty = path.is_dir() and not any(path.iterdir())

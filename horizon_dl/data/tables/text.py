@@ -14,9 +14,10 @@ MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
 
-UNPACK = "it is packed: unpack it and give the file in it"
+PACKED = (".gz", ".zip", ".7z", ".xz", ".bz2", ".zst", ".tar", ".tgz", ".rar")
+UNPACK = "unpack it, and give what is in it"
 NO_TEXT = {
-    **dict.fromkeys((".gz", ".zip", ".7z", ".xz", ".bz2", ".zst", ".tar", ".tgz"), UNPACK),
+    **dict.fromkeys(PACKED, UNPACK),
     ".tlog": "it is MAVLink telemetry: make a table of its ATTITUDE messages (time_s, roll_rad, pitch_rad)",
     ".xlsx": "it is a spreadsheet: save it as CSV",
 }
