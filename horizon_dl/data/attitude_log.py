@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.frame import FrameHeader
-from horizon_dl.data.source import MountRpy
 from horizon_dl.data.tables.parsing import MOST_HEIGHT_M, by_time
 from horizon_dl.geometry.attitude import (
     MAX_GAP_S,
+    MountRpy,
     bracket,
     interpolate,
     quaternion_from_rpy,

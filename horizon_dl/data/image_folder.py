@@ -14,9 +14,10 @@ from horizon_dl.data.frame import FrameHeader, RangeImage
 from horizon_dl.data.images import load_rgb, load_truth
 from horizon_dl.data.orientation import orientation_of_file, upright
 from horizon_dl.data.range_files import lies_as, load_metres
-from horizon_dl.data.source import MountRpy, Pixels, Recording
+from horizon_dl.data.source import Pixels, Recording
 from horizon_dl.data.unique_names import unique_names
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.geometry.attitude import MountRpy
 from horizon_dl.geometry.camera import Camera
 
 

@@ -2,20 +2,17 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.attitude_log import AttitudeLog
 from horizon_dl.data.convention import Reading, parse_convention
 from horizon_dl.data.frame import Frame, FrameHeader, RangeImage, checked
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.geometry.attitude import MountRpy
 from horizon_dl.geometry.camera import Camera
-
-if TYPE_CHECKING:
-    from horizon_dl.data.attitude_log import AttitudeLog
-
-MountRpy = tuple[float, float, float]
 
 
 def calibrated(source: "FrameSource") -> Camera:
@@ -109,7 +106,7 @@ class Recording:
     notes: tuple[str, ...] = ()
     live: bool = False
     reading: Reading | None = None
-    attitudes: "AttitudeLog | None" = None
+    attitudes: AttitudeLog | None = None
 
     @property
     def length(self) -> int:

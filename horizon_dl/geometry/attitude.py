@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 # Rows are the optical axes (right, down, forward) written in FRD.
 OPTICAL_FROM_FRD = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 UP_NED = np.array([0.0, 0.0, -1.0])
+MountRpy = tuple[float, float, float]
+"""Roll, pitch and yaw of a camera in the body, rad."""
+
 MAX_GAP_S = 0.2
 """Longest gap between two attitude samples that is bridged; robots turn too much in longer ones."""
 

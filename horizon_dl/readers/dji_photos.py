@@ -10,9 +10,9 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.photo_tags import dji_tags, exif_time_s, focal_px
-from horizon_dl.data.source import MountRpy, Recording
+from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
+from horizon_dl.geometry.attitude import MountRpy, quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.readers.image_files import picture_paths
 

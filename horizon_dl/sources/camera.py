@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from horizon_dl.calibration.calibration import Calibration
 from horizon_dl.data.attitude_log import ConstantAttitude
 from horizon_dl.data.frame import Frame, FrameHeader
-from horizon_dl.data.source import MountRpy
 from horizon_dl.errors import FrameError, InputError
+from horizon_dl.geometry.attitude import MountRpy
 from horizon_dl.geometry.camera import Camera
 
 Clock = Callable[[], float]

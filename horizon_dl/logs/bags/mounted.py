@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from horizon_dl.calibration.calibration import Calibration
 from horizon_dl.data.convention import Convention, Reading
 from horizon_dl.data.frame import FrameHeader
-from horizon_dl.data.source import MountRpy
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy, rpy_from_rotation
+from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, MountRpy, rotation_from_rpy, rpy_from_rotation
 from horizon_dl.geometry.axes import frd_from_axes
 from horizon_dl.logs.bags.choose import Series, body_frame
 from horizon_dl.logs.bags.linked import Linked
