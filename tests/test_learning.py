@@ -6,9 +6,9 @@ import pytest
 import torch
 from toy import write_toy_set
 
-from horizon_dl.config import load_config
+from horizon_dl.config import TrainConfig, TrainerConfig, load_config
 from horizon_dl.data.image_folder import FrameFiles
-from horizon_dl.errors import InputError
+from horizon_dl.errors import FrameError, InputError
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.training import train
@@ -19,6 +19,7 @@ from horizon_dl.training.half_resolution import half_resolution_frame
 from horizon_dl.training.loss import horizon_loss
 from horizon_dl.training.online.learner import OnlineLearner
 from horizon_dl.training.run_folder import load_run, save_run
+from horizon_dl.training.several_processes import processes_of
 from horizon_dl.training.train import train_net, train_run
 
 SMALL = [
@@ -124,6 +125,37 @@ def test_a_round_makes_no_more_targets_than_its_crops_need(toy, monkeypatch):
     config = load_config(None, [*SMALL, "train.rounds=[4, 2]", "train.batch=6", "train.crops_per_frame=2"])
     train_net(FrameStore(toy, config), range(24), seed=0)
     assert len(made) == 4 * 6 // 2 + 2 * 6 // 2
+
+
+@pytest.mark.parametrize("processes", [1, 2, 5])
+def test_several_processes_learn_from_as_many_frames_as_one_with_all_their_crops(processes):
+    settings = TrainConfig(batch=4, crops_per_frame=3)
+    together = settings.model_copy(update={"batch": 4 * processes})
+    for steps in (1, 30):
+        assert train.frames_of_round(steps, settings, processes) == train.frames_of_round(steps, together)
+        assert train.frames_of_round(steps, settings, processes) >= 4 * processes
+
+
+@pytest.mark.parametrize(
+    ("settings", "count"),
+    [({}, 1), ({"devices": 3, "strategy": "ddp"}, 3), ({"devices": 2, "num_nodes": 2}, 4)],
+)
+def test_processes_are_known_before_they_start(settings, count):
+    assert processes_of(TrainerConfig(accelerator="cpu", **settings)) == count
+
+
+def test_what_was_not_learned_from_is_not_counted(toy):
+    """Few steps, some damaged pictures: what is told is what was learned from, and all that were damaged."""
+    damaged = {2, 9, 20}
+
+    def load(index, with_truth):
+        if index in damaged:
+            raise FrameError(str(index), "is damaged", "restore it")
+        return toy.load(index, with_truth)
+
+    run = train_run(replace(toy, load=load), load_config(None, [*SMALL, "train.rounds=[4, 2]"]))
+    assert run.info["frames"] <= 4 + 4
+    assert {toy.headers[index].name for index in damaged} == set(run.info["skipped"])
 
 
 @pytest.mark.parametrize("rounds", ["[1]", "[2]", "[3, 10]"])

@@ -60,3 +60,24 @@ def test_frames_without_an_attitude_are_told_from_the_first(
     assert "Without an attitude there is no horizon" in (tmp_path / "one" / "index.html").read_text()
     assert main(["predict", str(model), str(toy_set()), "--out", str(tmp_path / "all")]) == 0
     assert "without an attitude" not in capsys.readouterr().out
+
+
+def test_an_attitude_without_a_camera_is_not_left_out_in_silence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model, out = model_file(), tmp_path / "out"
+    picture = sorted((toy_set() / "images").iterdir())[0]
+    words = ["predict", str(model), str(picture), "--out", str(out)]
+    assert main([*words, "--attitude", "constant:0,0"]) == 2
+    assert "--camera" in capsys.readouterr().err
+    assert not out.exists()
+    assert main(words) == 0
+    assert "--camera and --attitude give one" in capsys.readouterr().out
+
+
+def test_the_printed_command_can_be_typed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "my set"
+    assert main(["data", "simulate", "--out", str(folder), "--frames", "2"]) == 0
+    printed = capsys.readouterr().out.split("next: horizon-dl ")[1].splitlines()[0]
+    assert main(shlex.split(printed)) in (0, 2)
+    assert "my set" in capsys.readouterr().out

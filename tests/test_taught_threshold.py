@@ -47,6 +47,16 @@ def test_a_teacher_that_knows_one_kind_gives_none():
     assert taught_threshold([(np.full(3, np.nan), np.array([0.0, 0.9, 0.5]))]) is None
 
 
+@pytest.mark.parametrize("most", [0.1, 0.29, 0.45])
+def test_a_floor_without_an_obstacle_gives_none(most):
+    """A teacher that doubts some of a bare floor a little says nothing of where obstacles begin."""
+    rng = np.random.default_rng(0)
+    p = rng.random(5000) * most
+    entropy = (p + 0.1 * rng.random(5000)).clip(0, 1)
+    assert taught_threshold([(entropy, p)]) is None
+    assert taught_threshold([(1 - entropy, 1 - p)]) is None
+
+
 def test_an_accumulator_keeps_it_like_the_papers():
     found = MethodAccumulator(threshold=0.25, simulated_threshold=0.5)
     again, joined = MethodAccumulator(), MethodAccumulator()

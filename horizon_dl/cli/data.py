@@ -9,7 +9,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from horizon_dl.cli.console import add_console
+from horizon_dl.cli.console import add_console, typed
 from horizon_dl.cli.options import positive_int
 from horizon_dl.simulation.kinds import KINDS
 
@@ -58,7 +58,7 @@ def _fetch(arguments: argparse.Namespace) -> dict[str, Any]:
     from horizon_dl.download.fetch import fetch
 
     folder = fetch(arguments.name, arguments.out or Path(arguments.name))
-    print(f"wrote {folder}; next: horizon-dl check-data {folder}")
+    print(f"wrote {folder}; next: horizon-dl check-data {typed(folder)}")
     return {"out": folder}
 
 
@@ -67,7 +67,7 @@ def _simulate(arguments: argparse.Namespace) -> dict[str, Any]:
 
     out, frames = arguments.out, arguments.frames
     simulate(out, frames=frames, seed=arguments.seed, world=arguments.world, progress=True)
-    print(f"wrote {frames} frames to {out}; next: horizon-dl check-data {out}")
+    print(f"wrote {frames} frames to {out}; next: horizon-dl check-data {typed(out)}")
     return {"out": out, "frames": frames, "world": arguments.world}
 
 

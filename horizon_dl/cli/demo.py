@@ -67,7 +67,8 @@ def learned_run(result: "Comparison", recording: "Recording", config: "Config") 
     from horizon_dl.training.train import finished_run
 
     assert result.net is not None
-    return finished_run(result.net, FrameStore(recording, config), result.accumulators[NET][0].train_s)
+    store, frames = FrameStore(recording, config), int(result.metrics["frames"]["train"])
+    return finished_run(result.net, store, frames, result.accumulators[NET][0].train_s)
 
 
 def with_truth_of_every(step: int, recording: "Recording") -> "Recording":

@@ -67,7 +67,11 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise InputError("--video", "needs av", "pip install 'horizon-dl[logs]'")
     _say_without_height(arguments, source)
     if _lacks_attitude(source):
-        print(f"note: {NO_ATTITUDE}; --attitude gives one")
+        if arguments.attitude is not None and source.camera is None:
+            problem = "needs to know the camera"
+            raise InputError(f"--attitude {arguments.attitude}", problem, "give --camera FILE")
+        lacking = "--attitude gives one" if source.camera else "--camera and --attitude give one"
+        print(f"note: {NO_ATTITUDE}; {lacking}")
     length = _length(arguments, source)
     every = arguments.every or every_nth(length)
     if every > 1:

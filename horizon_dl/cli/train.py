@@ -13,6 +13,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from horizon_dl.cli.console import typed
 from horizon_dl.cli.data_options import add_data, data_words, open_data
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
 from horizon_dl.cli.options import add_config, add_out, resolve_config, say_skipped
@@ -75,7 +76,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         print(f"the net says of itself: {doubt}")
     print(f"look at {arguments.out / 'index.html'}")
     verb = "evaluate" if any(header.labelled for header in recording.headers) else "predict"
-    print(f"wrote {arguments.out}; next: horizon-dl {verb} {arguments.out} {data_words(arguments)} --out DIR")
+    words = f"{verb} {typed(arguments.out)} {data_words(arguments)} --out DIR"
+    print(f"wrote {arguments.out}; next: horizon-dl {words}")
     told = (
         "frames",
         "start",
@@ -108,7 +110,7 @@ def _show(folder: Path, trained: "Run", recording: "Recording") -> None:
     lead = (
         f"The net was trained on {trained.info['frames']} frames of {recording.name}, without any label of "
         f"them{start}. The "
-        f"frames below are of those that it was trained on: what it is worth elsewhere, `evaluate` says."
+        f"frames below are of the same recording: what it is worth elsewhere, `evaluate` says."
     )
     if predictor.doubt:
         lead += f" The net says of itself: {predictor.doubt}."

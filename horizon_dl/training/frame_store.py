@@ -25,12 +25,14 @@ class FrameStore:
 
     Attributes:
         skipped: reason by frame name.
+        learned: indices of those that a net learned from.
     """
 
     def __init__(self, recording: Recording, config: Config) -> None:
         self.recording = recording
         self.config = config
         self.skipped: dict[str, str] = {}
+        self.learned: set[int] = set()
         self._tried: set[int] = set()
 
     def frames(self, indices: Iterable[int]) -> Iterator[tuple[Frame, View]]:
@@ -62,13 +64,15 @@ class FrameStore:
             self._complain()
 
     def state(self) -> dict[str, Any]:
-        """What was tried and skipped, for JSON."""
-        return {"skipped": dict(self.skipped), "tried": sorted(self._tried)}
+        """What was tried, skipped and learned from, for JSON."""
+        sets = {"tried": sorted(self._tried), "learned": sorted(self.learned)}
+        return {"skipped": dict(self.skipped), **sets}
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from a `state`."""
         self.skipped.update(state["skipped"])
         self._tried.update(state["tried"])
+        self.learned.update(state["learned"])
 
     def views(self, indices: Iterable[int]) -> Iterator[View]:
         """The same, without the full-size frames."""
@@ -135,6 +139,7 @@ class FramePool:
         for index, view in bar:
             self.frames.append(make_frame(view))
             self.held.append(index)
+            store.learned.add(index)
             free_bytes -= self.frames[-1].nbytes
             if free_bytes < 0.0:
                 break

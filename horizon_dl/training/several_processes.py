@@ -5,6 +5,16 @@ from typing import Any
 import torch
 from torch import Tensor, distributed
 
+from horizon_dl.config import TrainerConfig
+
+
+def processes_of(settings: TrainerConfig) -> int:
+    """Processes that a trainer of these settings will have, before it has started them."""
+    if settings.devices != "auto":
+        return settings.devices * settings.num_nodes
+    on_gpu = settings.accelerator in ("auto", "gpu", "cuda")
+    return (max(torch.cuda.device_count(), 1) if on_gpu else 1) * settings.num_nodes
+
 
 def process_count() -> int:
     """Processes that train together; 1 outside distributed training."""

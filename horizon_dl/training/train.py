@@ -33,7 +33,7 @@ from horizon_dl.training.loggers import open_logger
 from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
 from horizon_dl.training.run_folder import Run
-from horizon_dl.training.several_processes import process_number
+from horizon_dl.training.several_processes import process_number, processes_of
 from horizon_dl.training.thresholds import paper_threshold_of
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
@@ -73,7 +73,7 @@ def train_net(
         TrainingStopped: the keeper was asked to stop.
     """
     config: Config = store.config
-    if _in_several_processes(config.trainer):
+    if processes_of(config.trainer) > 1:
         keeper = None  # a checkpoint would have to hold the random numbers of all of them
     rng = np.random.default_rng(seed)
     logger = open_logger(config.logger, log_dir) if log_dir else None
@@ -95,10 +95,6 @@ def train_net(
                 keeper.save(_between_rounds(number + 1, net, rng, store))
                 keeper.check_stop()
     return net
-
-
-def _in_several_processes(settings: TrainerConfig) -> bool:
-    return settings.devices not in (1, "auto") or settings.num_nodes > 1
 
 
 def _train_round(
@@ -123,7 +119,7 @@ def _train_round(
         store,
         indices,
         make_frame=_frame_maker(config, guide, plan.taught, keeper),
-        most=frames_of_round(steps, plan.settings),
+        most=frames_of_round(steps, plan.settings, processes_of(config.trainer)),
         memory_mb=config.train.memory_mb,
         rng=rng,
         progress=progress,
@@ -166,13 +162,19 @@ def _train_round(
     return cast(HorizonFCN, module.average.module).cpu().eval()
 
 
-def frames_of_round(steps: int, settings: TrainConfig) -> int:
+def frames_of_round(steps: int, settings: TrainConfig, processes: int = 1) -> int:
     """How many frames a round learns from: a batch at least, and so many that each gives enough crops.
 
     Making a frame's target takes as long as learning from ten of its crops, and frames that follow each other
     show much the same: a long recording takes no longer than a short one.
+
+    Args:
+        steps: of the round.
+        settings: of the round; every process draws a batch a step.
+        processes: that train together.
     """
-    return max(settings.batch, steps * settings.batch // settings.crops_per_frame)
+    batch = settings.batch * processes
+    return max(batch, steps * batch // settings.crops_per_frame)
 
 
 def _frame_maker(
@@ -251,7 +253,7 @@ def train_run(
     keeper: TrainingKeeper | None = None,
     after_round: AfterRound | None = None,
 ) -> Run:
-    """Train on all frames of a recording and choose the threshold; the result is ready to be saved.
+    """Train on a recording and choose the threshold; the result is ready to be saved.
 
     See `train_net` for the arguments.
     """
@@ -268,24 +270,33 @@ def train_run(
         after_round=after_round,
     )
     train_s = time.perf_counter() - start if keeper is None else keeper.train_s
-    return finished_run(net, store, train_s)
+    return finished_run(net, store, len(store.learned), train_s)
 
 
-def finished_run(net: HorizonFCN, store: FrameStore, train_s: float) -> Run:
-    """A net trained on all frames of a recording, with its threshold and what is known of its training."""
+def finished_run(net: HorizonFCN, store: FrameStore, frames: int, train_s: float) -> Run:
+    """A net trained on a recording, with its threshold and what is known of its training.
+
+    Args:
+        net: trained.
+        store: of the recording.
+        frames: how many of it the net learned from.
+        train_s: how long that took.
+    """
     recording, config = store.recording, store.config
     indices = range(recording.length)
+    # Both read frames, and may find some that cannot be used.
+    threshold, evidence = paper_threshold_of(net, store, indices), evidence_of(net, store, indices)
     info = {
         "data": recording.name,
         "format": recording.format,
         "camera": asdict(recording.calibrated),
-        "frames": len(indices) - len(store.skipped),
+        "frames": frames,
         "skipped": store.skipped,
         "start": start_of(config.model),
         "train_s": train_s,
-        "threshold": paper_threshold_of(net, store, indices),
+        "threshold": threshold,
         "threshold_rule": PaperThreshold(config.threshold.percentile).rule,
-        **evidence_of(net, store, indices),
+        **evidence,
     }
     return Run(net.eval(), config, info)
 
