@@ -208,6 +208,20 @@ def test_a_slow_log_says_that_it_is_slow(tmp_path: Path) -> None:
     assert any(isinstance(note, Doubt) and "every 0.25 s" in note for note in notes)
 
 
+@pytest.mark.parametrize(("order", "told"), [("in order", False), ("ran over", True), ("shuffled", False)])
+def test_a_clock_that_falls_back_is_told(tmp_path: Path, order: str, told: bool) -> None:
+    times_s = 4294.0 + TIMES
+    if order == "ran over":
+        times_s = times_s % (2**32 * 1e-6)
+    if order == "shuffled":
+        times_s = np.random.default_rng(0).permutation(times_s)
+    notes = angles_deg(table(tmp_path / "l.csv", "time_s,roll_deg,pitch_deg", times_s, ROLL_DEG, PITCH_DEG))[
+        2
+    ]
+    assert any("falls back by 4294" in note for note in notes) == told
+    assert any(isinstance(note, Doubt) for note in notes) == told
+
+
 @pytest.mark.parametrize(("name", "way_out"), [("log.csv.gz", "unpack"), ("flight.tlog", "ATTITUDE")])
 def test_files_that_are_no_text_get_a_way_out(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, way_out: str

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
 from horizon_dl.data.tables.columns import find_columns
@@ -14,6 +15,10 @@ from horizon_dl.data.tables.units import LOG_STEPS
 from horizon_dl.errors import InputError
 
 Floats = NDArray[np.float64]
+
+MOST_RESTARTS = 3
+"""Falls of a clock; with more of them rows are merely out of order."""
+LEAST_FALL_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,7 @@ def read_attitude_table(path: Path, given: Given = NOTHING_GIVEN) -> AttitudeRow
     good = np.isfinite(times_s) & np.isfinite(rows.quaternions).all(axis=-1)
     if not good.any():
         raise InputError(path, "holds no attitude", "check that its values are numbers")
+    notes = (*notes, *_restarts(times_s[good]))
     order = np.flatnonzero(good)[np.argsort(times_s[good], kind="stable")]
     return AttitudeRows(
         times_s[order],
@@ -60,3 +66,13 @@ def read_attitude_table(path: Path, given: Given = NOTHING_GIVEN) -> AttitudeRow
         rows.heights_m[order],
         (*notes, *rows.notes),
     )
+
+
+def _restarts(times_s: Floats) -> tuple[Doubt, ...]:
+    """What is said of a clock that falls back once or a few times: a restart, or a counter that ran over."""
+    falls = np.flatnonzero(np.diff(times_s) < -LEAST_FALL_S)
+    if not 0 < len(falls) <= MOST_RESTARTS:
+        return ()
+    back_s = float(times_s[falls[0]] - times_s[falls[0] + 1])
+    says = f"the log's clock falls back by {back_s:.3f} s: rows are sorted by time, which is wrong"
+    return (Doubt(f"{says} where it started anew or ran over; cut the table there, or correct its times"),)
