@@ -243,3 +243,15 @@ def test_a_log_or_a_packed_file_given_as_a_recording(
     (tmp_path / name).write_bytes(b"time,roll_deg,pitch_deg\n1,2,3\n")
     assert main(["check-data", str(tmp_path / name)]) == 2
     assert told in capsys.readouterr().err
+
+
+def test_dates_that_are_not_read_get_a_way_out(tmp_path: Path) -> None:
+    rows = [f"05/01/2024 12:30:{second:02d},1.5,2.5" for second in range(20)]
+    path = tmp_path / "l.csv"
+    path.write_text("\n".join(["time,roll_deg,pitch_deg", *rows]))
+    with pytest.raises(InputError, match="2024-05-01 12:30:00") as refused:
+        angles_deg(path)
+    assert "row 1" in str(refused.value)
+    rows = [f"2024-05-01 12:30:{second:02d} UTC,1.5,2.5" for second in range(20)]
+    path.write_text("\n".join(["time,roll_deg,pitch_deg", *rows]))
+    assert np.allclose(angles_deg(path)[0], 1.5)

@@ -62,7 +62,7 @@ def read_times(table: Table, columns: Columns, given: Given, steps: Steps) -> tu
     dates = seconds_of_dates(table.texts(column.name))
     if dates is not None:
         return dates, ()
-    values = table.numbers(column.name)
+    values = table.numbers(column.name, "write numbers, or dates as 2024-05-01 12:30:00.25")
     rest = nanoseconds_beside(table, column)
     if rest is not None:
         return values + 1e-9 * table.numbers(rest), ()

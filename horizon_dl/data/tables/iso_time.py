@@ -35,7 +35,7 @@ def seconds_of_dates(cells: Sequence[str]) -> NDArray[np.float64] | None:
 
 
 def _seconds(cell: str) -> float:
-    date, clock = re.split(r"[ T_]+", cell, maxsplit=1)
+    date, clock = re.split(r"[ T_]+", cell.removesuffix(" UTC"), maxsplit=1)
     whole = datetime.fromisoformat(f"{re.sub('[/:]', '-', date)}T{clock.replace(',', '.')}")
     return (whole if whole.tzinfo else whole.replace(tzinfo=UTC)).timestamp()
 

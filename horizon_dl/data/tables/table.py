@@ -40,8 +40,12 @@ class Table:
         place = self.names.index(name)
         return [row[place] for row in self.rows]
 
-    def numbers(self, name: str) -> Floats:
+    def numbers(self, name: str, hint: str = "write a number or leave it blank") -> Floats:
         """A column as numbers (N,), NaN for blank cells.
+
+        Args:
+            name: of the column.
+            hint: the way out where a cell holds something else.
 
         Raises:
             InputError: a cell holds no number; the error names row and column.
@@ -56,7 +60,7 @@ class Table:
                 values[index] = number(cell)
             except ValueError:
                 problem = f"row {index + 1}, column '{name}' holds {cell[:40]!r}"
-                raise InputError(self.path, problem, "write a number or leave it blank") from None
+                raise InputError(self.path, problem, hint) from None
         return values
 
     @property
