@@ -16,6 +16,7 @@ from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
 from horizon_dl.geometry.axes import ALL_AXES, frd_from_axes
 from horizon_dl.geometry.camera import Camera
+from horizon_dl.inspection import conventions
 from horizon_dl.inspection.conventions import fit_conventions
 from horizon_dl.inspection.image_rotation import rotation_between
 from horizon_dl.inspection.turns import Turns, logged_motion, measure_turns, window_indices
@@ -105,6 +106,18 @@ def test_a_convention_is_found_from_turns(kind: str, error_deg: float) -> None:
     assert fit.sure == (kind != "as stated")
     words = " ".join(fit.best.convention.differences(Convention(), numbers.shape[1] == 4))
     assert words == ("" if kind == "as stated" else EFFECT.get(kind, kind))
+
+
+@pytest.mark.parametrize("kind", ["as stated", "flu"])
+def test_a_better_reading_that_may_be_chance_is_no_ok(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As in a short film: another reading misses far less, but not by enough deviations to be named."""
+    monkeypatch.setattr(conventions, "SURE", 1e9)
+    angles, mount = flight(), (0.0, np.radians(-15.0), 0.0)
+    rows = [tuple(row) for row in written(kind, angles)]
+    fit = fit_conventions(seen(angles, mount), rows, reading_with(Convention(), mount))
+    assert fit is not None
+    assert not fit.sure
+    assert fit.told == (kind == "as stated")
 
 
 def test_a_camera_that_hardly_turns_tells_nothing() -> None:

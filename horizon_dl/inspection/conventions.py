@@ -116,8 +116,10 @@ def fit_conventions(
     motion = float(_motion(kept, ups_of(best.convention)).mean())
     changes = changes_of(best.convention, stated.convention, width == 4)
     told = best.miss_rad < (NO_MOTION if changes < MANY_CHANGES else MANY_NO_MOTION) * motion
-    worse = best.miss_rad < BETTER * stated.miss_rad and _lead(kept, stated, best) > SURE
+    much_better = best.miss_rad < BETTER * stated.miss_rad
+    worse = much_better and _lead(kept, stated, best) > SURE
     sure = told and best.convention != reading.convention and (worse or lies)
+    told = told and (sure or not much_better)  # another reading is much better, and it may be chance
     turned = sure and not worse and _on_its_side(ups_of(stated.convention))
     return ConventionFit(stated, best if sure else stated, motion, int(good.sum()), sure, told, turned)
 
