@@ -193,7 +193,7 @@ def test_training_says_that_these_frames_were_trained_on(tmp_path: Path) -> None
         "5000",
     ]
     assert main(["train", str(data), "--out", str(out), *quick]) == 0
-    assert "those that it was trained on" in (out / "index.html").read_text()
+    assert "of the same recording" in (out / "index.html").read_text()
     assert len(played(out / "film.mp4")[1]) == 12
 
 

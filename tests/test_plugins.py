@@ -91,5 +91,5 @@ def test_the_package_s_own_names_are_not_taken_over(flight: Path, monkeypatch: p
         "NAME = 'tum'\nNEEDS = ''\ndef recognises(path): return True\ndef read(path, given): return None\n"
     )
     offer(monkeypatch, thief="thief")
-    with pytest.raises(InputError, match="not a recording of a known format"):
+    with pytest.raises(InputError, match="is no recording"):
         open_recording(flight)

@@ -23,7 +23,6 @@ QUICK = {
     "train.batch": "3",
     "train.crop": "32",
     "train.memory_mb": "1",
-    "train.crops_per_frame": "1",
     "model.channels": "6",
     "model.samples": "4",
 }

@@ -144,10 +144,10 @@ def _found(path: Path, readers: dict[str, Reader], broken: dict[str, str]) -> tu
             f"give its film or the folder of its pictures, with --attitude {path.name} and --camera FILE"
         )
         raise InputError(path, "is no recording; by its name it is a log", way_out)
-    if path.is_file() and path.suffix.lower() in PACKED:
-        raise InputError(path, "is no recording, but packed", UNPACK)
-    needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in readers.items())
     unusable = "".join(f"; {name} is installed, but {why}" for name, why in broken.items())
+    if path.is_file() and path.suffix.lower() in PACKED:
+        raise InputError(path, "is no recording, but packed", f"{UNPACK}{unusable}")
+    needs = "; ".join(f"{name}: {reader.NEEDS}" for name, reader in readers.items())
     empty = path.is_dir() and not any(path.iterdir())
     problem = "is empty" if empty else "is not a recording of a known format"
     raise InputError(path, problem, f"needed is one of: {needs}{unusable}")

@@ -37,6 +37,8 @@ from horizon_dl.training.several_processes import process_number, processes_of
 from horizon_dl.training.thresholds import paper_threshold_of
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
+LEAST_FRAMES = 100
+"""However short the rounds: with fewer the room was worse (docs/RESEARCH.md)."""
 AfterRound = Callable[[HorizonFCN, FrameStore, int, Logger], None]
 """Takes the net after a round, its frames, the steps taken so far, and the logger."""
 
@@ -163,7 +165,7 @@ def _train_round(
 
 
 def frames_of_round(steps: int, settings: TrainConfig, processes: int = 1) -> int:
-    """How many frames a round learns from: a batch at least, and so many that each gives enough crops.
+    """How many frames a round learns from: a hundred at least, and so many that each gives enough crops.
 
     Making a frame's target takes as long as learning from ten of its crops, and frames that follow each other
     show much the same: a long recording takes no longer than a short one.
@@ -174,7 +176,7 @@ def frames_of_round(steps: int, settings: TrainConfig, processes: int = 1) -> in
         processes: that train together.
     """
     batch = settings.batch * processes
-    return max(batch, steps * batch // settings.crops_per_frame)
+    return max(LEAST_FRAMES, batch, steps * batch // settings.crops_per_frame)
 
 
 def _frame_maker(
