@@ -11,7 +11,7 @@ from horizon_dl.data.image_folder import FrameFiles
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.readers.registry import open_recording
-from horizon_dl.training import train
+from horizon_dl.training import context, train
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import TrainingFrame, draw_batch
 from horizon_dl.training.frame_store import FramePool, FrameStore
@@ -122,7 +122,7 @@ def test_a_round_makes_no_more_targets_than_its_crops_need(toy, monkeypatch):
         return half_resolution_frame(view, *args)
 
     monkeypatch.setattr(train, "half_resolution_frame", noted)
-    monkeypatch.setattr(train, "LEAST_FRAMES", 1)
+    monkeypatch.setattr(context, "LEAST_FRAMES", 1)
     config = load_config(None, [*SMALL, "train.rounds=[4, 2]", "train.batch=6", "train.crops_per_frame=2"])
     train_net(FrameStore(toy, config), range(24), seed=0)
     assert len(made) == 4 * 6 // 2 + 2 * 6 // 2
@@ -131,10 +131,11 @@ def test_a_round_makes_no_more_targets_than_its_crops_need(toy, monkeypatch):
 @pytest.mark.parametrize("processes", [1, 2, 5])
 def test_several_processes_learn_from_as_many_frames_as_one_with_all_their_crops(processes):
     settings = TrainConfig(batch=4, crops_per_frame=3)
-    together = settings.model_copy(update={"batch": 4 * processes})
+    each = context.RoundPlan(settings)
+    together = context.RoundPlan(settings.model_copy(update={"batch": 4 * processes}))
     for steps in (1, 300):
-        assert train.frames_of_round(steps, settings, processes) == train.frames_of_round(steps, together)
-        assert train.frames_of_round(steps, settings, processes) >= max(100, 4 * processes)
+        assert each.frames(steps, processes) == together.frames(steps)
+        assert each.frames(steps, processes) >= max(100, 4 * processes)
 
 
 @pytest.mark.parametrize(
@@ -147,7 +148,7 @@ def test_processes_are_known_before_they_start(settings, count):
 
 def test_what_was_not_learned_from_is_not_counted(toy, monkeypatch):
     """Few steps, some damaged pictures: what is told is what was learned from, and all that were damaged."""
-    monkeypatch.setattr(train, "LEAST_FRAMES", 1)
+    monkeypatch.setattr(context, "LEAST_FRAMES", 1)
     damaged = {2, 9, 20}
 
     def load(index, with_truth):

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
-from horizon_dl.data.tables.columns import KEYS, find_columns, match
+from horizon_dl.data.tables.columns import KEYS, match
+from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.iso_time import seconds_of_dates
 from horizon_dl.data.tables.table import number, read_table
 from horizon_dl.data.tables.units import CAMERA_STEPS, LOG_STEPS, DoubtError, Steps, angle_unit, clock_unit

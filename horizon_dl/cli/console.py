@@ -3,7 +3,6 @@
 import argparse
 import json
 import os
-import shlex
 import sys
 import time
 from collections.abc import Iterator
@@ -34,16 +33,6 @@ def add_console(parser: argparse.ArgumentParser) -> None:
         default=argparse.SUPPRESS,
         help="results as one JSON object on standard output; all else goes to standard error",
     )
-
-
-def typed(path: Path) -> str:
-    """A path as it is typed in a shell, for the hint at the next command.
-
-    Example:
-        >>> typed(Path("my run"))
-        "'my run'"
-    """
-    return shlex.quote(str(path))
 
 
 def is_verbose(arguments: argparse.Namespace) -> bool:

@@ -9,7 +9,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from horizon_dl.cli.console import add_console, typed
+from horizon_dl.cli.console import add_console
+from horizon_dl.cli.next_command import next_command
 from horizon_dl.cli.options import positive_int
 from horizon_dl.simulation.kinds import KINDS
 
@@ -58,7 +59,7 @@ def _fetch(arguments: argparse.Namespace) -> dict[str, Any]:
     from horizon_dl.download.fetch import fetch
 
     folder = fetch(arguments.name, arguments.out or Path(arguments.name))
-    print(f"wrote {folder}; next: horizon-dl check-data {typed(folder)}")
+    print(f"wrote {folder}; {next_command('check-data', folder)}")
     return {"out": folder}
 
 
@@ -67,7 +68,7 @@ def _simulate(arguments: argparse.Namespace) -> dict[str, Any]:
 
     out, frames = arguments.out, arguments.frames
     simulate(out, frames=frames, seed=arguments.seed, world=arguments.world, progress=True)
-    print(f"wrote {frames} frames to {out}; next: horizon-dl check-data {typed(out)}")
+    print(f"wrote {frames} frames to {out}; {next_command('check-data', out)}")
     return {"out": out, "frames": frames, "world": arguments.world}
 
 

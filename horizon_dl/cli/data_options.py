@@ -2,7 +2,6 @@
 
 import argparse
 import math
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -74,33 +73,6 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
         find_offset=find,
         topics=tuple(arguments.topic),
     )
-
-
-def data_words(arguments: argparse.Namespace) -> str:
-    """`DATA` and what was given beside it, as it is typed in a shell: for the hint at the next command."""
-    offset_s, drift_ppm, find = arguments.time_offset
-    offset = "auto" if find else f"{offset_s!r},{drift_ppm!r}" if offset_s or drift_ppm else None
-    words = [str(arguments.data)]
-    for option, value in {
-        "--format": arguments.format,
-        "--camera": arguments.camera,
-        "--imu-axes": arguments.imu_axes,
-        "--convention": arguments.convention,
-        "--attitude": arguments.attitude,
-        "--time-offset": offset,
-        "--time-unit": arguments.time_unit,
-        "--angle-unit": arguments.angle_unit,
-    }.items():
-        words += _typed(option, value)
-    for topic in arguments.topic:
-        words += _typed("--topic", topic)
-    return shlex.join(words)
-
-
-def _typed(option: str, value: object) -> list[str]:
-    """An option with its value, nothing without one; what begins with a dash would be taken for an option."""
-    text = str(value)
-    return [] if value is None else [f"{option}={text}"] if text.startswith("-") else [option, text]
 
 
 def open_data(arguments: argparse.Namespace) -> "Recording":

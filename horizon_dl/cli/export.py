@@ -18,7 +18,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.console import typed
+from horizon_dl.cli.next_command import next_command
 from horizon_dl.cli.options import add_out, add_sign, add_values, signer
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         for width, height in arguments.size:
             resized = export_run(trained, _resized(camera, width, height)).signed(sign)
             resized.write(folder, f"model-{width}x{height}")
-    print(f"wrote {arguments.out}; next: horizon-dl benchmark {typed(arguments.out / 'model.onnx')}")
+    print(f"wrote {arguments.out}; {next_command('benchmark', arguments.out / 'model.onnx')}")
     return {"out": arguments.out, "card": exported.card}
 
 

@@ -15,9 +15,9 @@ the same command goes on where the last checkpoint was taken.
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.console import typed
 from horizon_dl.cli.data_options import add_data, given
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
+from horizon_dl.cli.next_command import data_words, next_command
 from horizon_dl.cli.options import (
     add_autopilot,
     add_config,
@@ -169,4 +169,5 @@ def _say(arguments: argparse.Namespace, online: "OnlineRun", more: dict[str, Any
     if pooled is not None and within is not None:
         print(f"AUC of the entropy, before learning: {pooled:.3f}, within depression bands {within:.3f}")
     rest = " (stopped; the same command goes on)" if online.stopped else ""
-    print(f"wrote {arguments.out}{rest}; next: horizon-dl evaluate {typed(arguments.out)} DATA --out DIR")
+    data = ["DATA"] if online.source.live else data_words(arguments)
+    print(f"wrote {arguments.out}{rest}; {next_command('evaluate', arguments.out, *data, '--out', 'DIR')}")

@@ -13,9 +13,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from horizon_dl.cli.console import typed
-from horizon_dl.cli.data_options import add_data, data_words, open_data
+from horizon_dl.cli.data_options import add_data, open_data
 from horizon_dl.cli.fitness import add_force, stop_if_unfit
+from horizon_dl.cli.next_command import data_words, next_command
 from horizon_dl.cli.options import add_config, add_out, resolve_config, say_skipped
 from horizon_dl.cli.stopping import stopping
 
@@ -76,8 +76,8 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         print(f"the net says of itself: {doubt}")
     print(f"look at {arguments.out / 'index.html'}")
     verb = "evaluate" if any(header.labelled for header in recording.headers) else "predict"
-    words = f"{verb} {typed(arguments.out)} {data_words(arguments)} --out DIR"
-    print(f"wrote {arguments.out}; next: horizon-dl {words}")
+    hint = next_command(verb, arguments.out, *data_words(arguments), "--out", "DIR")
+    print(f"wrote {arguments.out}; {hint}")
     told = (
         "frames",
         "start",

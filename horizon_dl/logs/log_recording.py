@@ -16,6 +16,8 @@ from horizon_dl.geometry.attitude import MAX_GAP_S
 
 LEAST_UNIX_S = 5e8
 """Larger times, s, count from 1970."""
+SLOW = 0.75
+"""From this share of the longest gap that is bridged on, jitter loses frames."""
 OVERLAP_SHARE = 0.5
 """Under this share of the frames inside the log, the ranges are a warning."""
 
@@ -68,7 +70,7 @@ def _slow(log: AttitudeLog) -> tuple[Doubt, ...]:
     """What is said of a log whose usual step nears the longest that is bridged."""
     steps_s = np.diff(log.times_s)
     step_s = float(np.median(steps_s[steps_s > 0.0])) if (steps_s > 0.0).any() else 0.0
-    if step_s < 0.75 * MAX_GAP_S:
+    if step_s < SLOW * MAX_GAP_S:
         return ()
     says = f"The log has an attitude every {step_s:.2f} s, and gaps over {MAX_GAP_S:g} s are not bridged"
     return (Doubt(f"{says}: frames between are left out. Log ten times a second or more."),)

@@ -3,7 +3,7 @@
 from pathlib import Path, PurePosixPath
 from unicodedata import normalize
 
-from horizon_dl.data.tables.columns import find_columns
+from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, images_in, inside_folder
 from horizon_dl.data.tables.table import read_table
 from horizon_dl.errors import InputError

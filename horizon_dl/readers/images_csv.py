@@ -21,7 +21,8 @@ from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.attitude_columns import convention_of, read_attitudes, read_times
-from horizon_dl.data.tables.columns import Column, find_columns, require
+from horizon_dl.data.tables.columns import Column, require
+from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.parsing import MOST_HEIGHT_M, relative_name
 from horizon_dl.data.tables.table import Table, read_table
 from horizon_dl.data.tables.units import CAMERA_STEPS

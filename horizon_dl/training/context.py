@@ -29,6 +29,8 @@ AGREEMENT_FRAMES = 16
 LEAST_STEPS = 100
 """A net of fewer steps knows too little to be asked: on KITTI one of 60 agreed by .47, though the deepest
 head was by far the best; one of 120 by .74."""
+LEAST_FRAMES = 100
+"""Of a round, however short: with 56 and 37 the room was worse (docs/RESEARCH.md)."""
 NO_CONTEXT, ALL_CONTEXT = 0.45, 0.8
 """Agreements between which the deepest head's share grows from none to all. Picked on eight sets (mean within
 bands .769 to .777); on sixteen simulated worlds, on which they were not picked, they change nothing."""
@@ -45,6 +47,19 @@ class RoundPlan:
 
     settings: TrainConfig
     taught: float = 0.0
+
+    def frames(self, steps: int, processes: int = 1) -> int:
+        """How many frames are enough: a hundred, or so many that each gives `crops_per_frame` crops.
+
+        Making a frame's target takes as long as learning from five of its crops, and frames that follow each
+        other show much the same: a long recording takes no longer than a short one.
+
+        Args:
+            steps: of the round.
+            processes: that train together; each draws a batch a step.
+        """
+        batch = self.settings.batch * processes
+        return max(LEAST_FRAMES, batch, steps * batch // self.settings.crops_per_frame)
 
 
 def agreement_of(learner: Callable[[View], Map], store: FrameStore, indices: Sequence[int]) -> float | None:

@@ -15,7 +15,7 @@ import torch
 from lightning.pytorch.loggers import Logger
 from torch.utils.data import DataLoader
 
-from horizon_dl.config import Config, TrainConfig, TrainerConfig
+from horizon_dl.config import Config, TrainerConfig
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.models.fcn import HorizonFCN
@@ -37,8 +37,6 @@ from horizon_dl.training.several_processes import process_number, processes_of
 from horizon_dl.training.thresholds import paper_threshold_of
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
-LEAST_FRAMES = 100
-"""However short the rounds: with fewer the room was worse (docs/RESEARCH.md)."""
 AfterRound = Callable[[HorizonFCN, FrameStore, int, Logger], None]
 """Takes the net after a round, its frames, the steps taken so far, and the logger."""
 
@@ -121,7 +119,7 @@ def _train_round(
         store,
         indices,
         make_frame=_frame_maker(config, guide, plan.taught, keeper),
-        most=frames_of_round(steps, plan.settings, processes_of(config.trainer)),
+        most=plan.frames(steps, processes_of(config.trainer)),
         memory_mb=config.train.memory_mb,
         rng=rng,
         progress=progress,
@@ -162,21 +160,6 @@ def _train_round(
     if keeper is not None and module.taken < steps:
         keeper.check_stop()
     return cast(HorizonFCN, module.average.module).cpu().eval()
-
-
-def frames_of_round(steps: int, settings: TrainConfig, processes: int = 1) -> int:
-    """How many frames a round learns from: a hundred at least, and so many that each gives enough crops.
-
-    Making a frame's target takes as long as learning from ten of its crops, and frames that follow each other
-    show much the same: a long recording takes no longer than a short one.
-
-    Args:
-        steps: of the round.
-        settings: of the round; every process draws a batch a step.
-        processes: that train together.
-    """
-    batch = settings.batch * processes
-    return max(LEAST_FRAMES, batch, steps * batch // settings.crops_per_frame)
 
 
 def _frame_maker(

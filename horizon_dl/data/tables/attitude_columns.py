@@ -15,11 +15,11 @@ from horizon_dl.data.tables.columns import (
     LENGTH_UNITS,
     TIME_UNITS,
     Column,
-    columns_beside,
     is_of_message,
     nanoseconds_beside,
     require,
 )
+from horizon_dl.data.tables.find_columns import columns_beside
 from horizon_dl.data.tables.iso_time import seconds_of_dates
 from horizon_dl.data.tables.parsing import usable_quaternions
 from horizon_dl.data.tables.table import Table

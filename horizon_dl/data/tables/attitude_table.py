@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
-from horizon_dl.data.tables.columns import find_columns
+from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.table import read_table
 from horizon_dl.data.tables.units import LOG_STEPS
 from horizon_dl.errors import InputError

@@ -41,9 +41,6 @@ PREFIXES = (
     *("att", "attitude", "body", "vehicle", "drone", "uav", "robot", "imu", "pose", "camera", "cam"),
     *("header", "rosbag", "frame", "image", "log", "sensor", "system", "device"),
 )
-CAMERA_PREFIXES = ("gimbal", "camera", "cam", "frame")
-"""Of columns that tell how the camera is turned, where those of the vehicle stand beside them."""
-
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 UNIT_WORDS = {
@@ -58,7 +55,6 @@ UNIT_WORDS = {
     **dict.fromkeys(("mm",), "mm"),
     **dict.fromkeys(("ft", "feet", "foot"), "ft"),
 }
-ATTITUDE_ROLES = ("roll", "pitch", "yaw", "qw", "qx", "qy", "qz")
 UNITS_OF = {
     "time": frozenset(TIME_UNITS),
     "height": frozenset(LENGTH_UNITS),
@@ -122,25 +118,8 @@ def is_of_message(name: str) -> bool:
     return words_of(name)[-2:-1] == ["orientation"]
 
 
-def find_columns(table: Table) -> dict[str, Column]:
-    """The columns of a table by role; where several fit a role, the better name, then the one with a unit.
-
-    Where a camera's or gimbal's attitude stands beside the vehicle's, it is the camera's.
-    """
-    own, of_camera = _best_columns(table.names), _camera_columns(table)
-    if not of_camera or all(own.get(role) == column for role, column in of_camera.items()):
-        return own
-    return {role: column for role, column in own.items() if role not in ATTITUDE_ROLES} | of_camera
-
-
-def columns_beside(table: Table, columns: dict[str, Column]) -> list[str]:
-    """Columns of another attitude than the one that was found: the vehicle's beside the camera's."""
-    others = _best_columns(table.names)
-    names = [others[role].name for role in ("roll", "pitch", "qw") if role in others]
-    return [name for name in names if name not in {column.name for column in columns.values()}]
-
-
-def _best_columns(names: Sequence[str]) -> dict[str, Column]:
+def best_columns(names: Sequence[str]) -> dict[str, Column]:
+    """Columns by role; where several fit a role, the better name, then the one with a unit."""
     found = {}
     for role in KEYS:
         fitting = [(match(name, role), place) for place, name in enumerate(names)]
@@ -151,32 +130,6 @@ def _best_columns(names: Sequence[str]) -> dict[str, Column]:
             *_, name, unit = ranked[0]
             found[role] = Column(name, unit)
     return found
-
-
-def _camera_columns(table: Table) -> dict[str, Column]:
-    """Those of a camera's or gimbal's attitude; none where they are not whole, or tell nothing."""
-    for prefix in CAMERA_PREFIXES:
-        names = {rest: name for name in table.names if (rest := _without(name, prefix))}
-        found = _best_columns(list(names))
-        own = {role: Column(names[column.name], column.unit) for role, column in found.items()}
-        for needed in (("qw", "qx", "qy", "qz"), ("roll", "pitch")):
-            if own.keys() >= set(needed) and _tells(table, prefix, [own[role].name for role in needed]):
-                return {role: own[role] for role in (*needed, "yaw") if role in own}
-    return {}
-
-
-def _tells(table: Table, prefix: str, names: Sequence[str]) -> bool:
-    """Whether columns are an attitude: a gimbal may hold one angle; one angle of a camera is its mount's."""
-    cells = [table.texts(name) for name in names]
-    if prefix == "gimbal":
-        return any(cell.strip("-0. ") for column in cells for cell in column)
-    return any(len(set(column)) > 1 for column in cells)
-
-
-def _without(name: str, prefix: str) -> str:
-    """A column's name without the word that it begins with; empty where it does not."""
-    words = words_of(name)
-    return "_".join(words[1:]) if len(words) > 1 and words[0] == prefix else ""
 
 
 def require(table: Table, columns: dict[str, Column], roles: tuple[str, ...]) -> None:
