@@ -78,7 +78,7 @@ def _unreadable(check: DataCheck) -> Iterator[Finding]:
     share = check.unreadable / check.sampled
     first = check.unreadable_examples[0][1]
     text = f"{check.unreadable} of {check.sampled} images looked at cannot be read: {first}."
-    hint = "Restore or remove them; they are skipped and counted."
+    hint = "Mend what is named, or remove them; they are skipped and counted."
     if share > 0.5:
         yield Finding("problem", text, hint, "most images cannot be read")
     else:
