@@ -5,6 +5,7 @@ from typing import Any
 
 from horizon_dl.config import Config
 from horizon_dl.evaluation.compare import Comparison
+from horizon_dl.methods.registry import printed_name
 from horizon_dl.output import write_json, write_text
 from horizon_dl.provenance import machine, versions
 from horizon_dl.reporting.browser_data import Slider, browser_data
@@ -22,7 +23,7 @@ from horizon_dl.reporting.heights import height_table
 from horizon_dl.reporting.html import report_html
 from horizon_dl.reporting.run_page import FILM, auc_chart, film_section, links_to
 from horizon_dl.reporting.sections import GLOSSARY, Browser, Heading, Links, Pairs, Section, Table, Text
-from horizon_dl.reporting.table import HEADER, METHOD_HEADER, METHOD_NAMES, method_rows, metrics_rows
+from horizon_dl.reporting.table import HEADER, METHOD_HEADER, method_rows, metrics_rows
 from horizon_dl.runtime.prediction import PAPER_SCORE
 
 NAMES = ("report.html", "index.html")
@@ -77,7 +78,7 @@ def _frames(comparison: Comparison, log: ComparisonLog) -> list[Section]:
         return [Text("No frame could be shown.")]
     sliders = {
         name: Slider(
-            METHOD_NAMES.get(name, name),
+            printed_name(name),
             PAPER_SCORE,
             log.thresholds[name],
             pooled_roc(comparison.accumulators[name], PAPER_SCORE),
@@ -98,7 +99,7 @@ def _curves(comparison: Comparison, log: ComparisonLog) -> list[Section]:
 def _aucs_chart(log: ComparisonLog) -> Any:
     from horizon_dl.reporting.chart import Line
 
-    lines = [Line(METHOD_NAMES[name], list(points)) for name, points in log.aucs.items() if len(points) > 1]
+    lines = [Line(printed_name(name), list(points)) for name, points in log.aucs.items() if len(points) > 1]
     return auc_chart(lines) if lines else None
 
 

@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.evaluation.compare import Comparison
+from horizon_dl.methods.registry import TRAINING_FREE, printed_name
 from horizon_dl.metrics.calibration_error import Reliability
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.roc import LOGIT_RANGE, RocAccumulator
 from horizon_dl.reporting.chart import Chart, Line
-from horizon_dl.reporting.conclusion import NO_LEARNING, headline_score
+from horizon_dl.reporting.conclusion import headline_score
 from horizon_dl.reporting.curves import OperatingPoint, RocLine, thin_curve
-from horizon_dl.reporting.table import METHOD_NAMES
 from horizon_dl.runtime.prediction import FLOWN_SCORE, PAPER_SCORE
 
 FUSED = "fused"
@@ -35,10 +35,10 @@ def _drawn(comparison: Comparison) -> list[tuple[str, str, str]]:
     """Method, score and name of every curve: each method's headline, and the learners' other scores."""
     found = []
     for method in comparison.accumulators:
-        scores = (headline_score(method),) if method in NO_LEARNING else tuple(NOTES)
+        scores = (headline_score(method),) if method in TRAINING_FREE else tuple(NOTES)
         for score in dict.fromkeys(scores):
-            name = METHOD_NAMES.get(method, method)
-            if method not in NO_LEARNING:
+            name = printed_name(method)
+            if method not in TRAINING_FREE:
                 name += f", {score} ({NOTES[score]})"
             found.append((method, score, name))
     return found
@@ -55,7 +55,7 @@ def roc_lines(comparison: Comparison) -> list[RocLine]:
         block = comparison.metrics["methods"][method]
         points = _points(block.get("operating_point")) if score == PAPER_SCORE else []
         auc = block["scores"][score]["auc"]
-        lines.append(RocLine(name, *curve, auc=auc, baseline=method in NO_LEARNING, points=points))
+        lines.append(RocLine(name, *curve, auc=auc, baseline=method in TRAINING_FREE, points=points))
     return lines
 
 
@@ -75,7 +75,7 @@ def roc_chart(comparison: Comparison) -> Chart | None:
         x, y = thin_curve(fpr[::-1], tpr[::-1], 90)
         notes = [f"threshold {_threshold_at(fpr, tpr, thresholds, a, b)}" for a, b in zip(x, y, strict=True)]
         points = [(round(float(a), 4), round(float(b), 4)) for a, b in zip(x, y, strict=True)]
-        lines.append(Line(f"{name}: {auc:.3f}", points, baseline=method in NO_LEARNING, notes=notes))
+        lines.append(Line(f"{name}: {auc:.3f}", points, baseline=method in TRAINING_FREE, notes=notes))
     if not lines:
         return None
     caption = (
@@ -105,7 +105,7 @@ def calibration_chart(comparison: Comparison) -> Chart | None:
         predicted, observed, counts = pooled.curve()
         points = [(float(x), float(y)) for x, y in zip(predicted, observed, strict=True) if np.isfinite(x)]
         notes = [f"{count} pixels" for count in counts.tolist() if count]
-        lines.append(Line(f"{METHOD_NAMES[method]}, error {error:.3f}", points, notes=notes))
+        lines.append(Line(f"{printed_name(method)}, error {error:.3f}", points, notes=notes))
     if not lines:
         return None
     caption = "Calibration of p_above. Softened targets keep the net unsure where the plain side is certain."

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from horizon_dl.evaluation.scoring import ScoredFrame
 from horizon_dl.evidence.place import usual_levels
 from horizon_dl.geometry.rays import camera_rays
+from horizon_dl.methods.registry import printed_name
 from horizon_dl.metrics.range_truth import level_ranges, true_distances
 from horizon_dl.metrics.ranging import EVALUATION_BEARINGS, RangingAccumulator
 from horizon_dl.output.names import ResultNames
@@ -16,7 +17,6 @@ from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.reporting.outputs import can_film
 from horizon_dl.reporting.run_page import FILM
 from horizon_dl.reporting.stills import Still, Stills, auc_of, said_of, still
-from horizon_dl.reporting.table import METHOD_NAMES
 from horizon_dl.runtime.prediction import Prediction
 from horizon_dl.runtime.ranged import Ranged, ranges_of
 from horizon_dl.runtime.rules import FlightRules
@@ -148,7 +148,7 @@ def comparison_panel(scored: ScoredFrame) -> Image:
 def _panel(
     scored: ScoredFrame, predictions: dict[str, Prediction], ranges: dict[str, Ranged | None]
 ) -> Image:
-    rows = [panel_row(METHOD_NAMES[name], one, ranges[name]) for name, one in predictions.items()]
+    rows = [panel_row(printed_name(name), one, ranges[name]) for name, one in predictions.items()]
     return frame_panel(
         scored.view.image, scored.view.elevation, rows, scored.frame.truth, title=scored.frame.name
     )

@@ -4,10 +4,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from horizon_dl.evidence.self_assessment import said
-from horizon_dl.reporting.table import METHOD_NAMES
+from horizon_dl.methods.registry import LEARNERS, TRAINING_FREE, printed_name
 from horizon_dl.runtime.prediction import FLOWN_SCORE, PAPER_SCORE
 
-NO_LEARNING = ("position", "diffusion", "geodesic")
 ALIKE = 0.005
 """Differences in AUC under this are said to be none."""
 
@@ -24,7 +23,7 @@ _IN_WORDS = {
 
 def headline_score(method: str) -> str:
     """The score by which a method is named in one figure."""
-    return "score" if method in NO_LEARNING else FLOWN_SCORE
+    return "score" if method in TRAINING_FREE else FLOWN_SCORE
 
 
 def both_aucs(metrics: Mapping[str, Any], method: str, score: str | None = None) -> Both | None:
@@ -37,12 +36,12 @@ def both_aucs(metrics: Mapping[str, Any], method: str, score: str | None = None)
 
 def learner_of(metrics: Mapping[str, Any]) -> str | None:
     """The method that the report is about: the net where there is one."""
-    return next((name for name in ("cnn", "rf") if name in metrics["methods"]), None)
+    return next((name for name in LEARNERS if name in metrics["methods"]), None)
 
 
 def strongest_baseline(metrics: Mapping[str, Any]) -> str | None:
     """The method without learning with the highest AUC within the bands."""
-    found = {name: both for name in NO_LEARNING if (both := both_aucs(metrics, name)) is not None}
+    found = {name: both for name in TRAINING_FREE if (both := both_aucs(metrics, name)) is not None}
     return max(found, key=lambda name: found[name][1], default=None)
 
 
@@ -52,7 +51,7 @@ def conclusion(metrics: Mapping[str, Any]) -> str:
     own = None if learner is None else both_aucs(metrics, learner)
     if learner is None or own is None:
         return "Without truth below the horizon there are no figures, only pictures."
-    name, rivals = METHOD_NAMES[learner], []
+    name, rivals = printed_name(learner), []
     for rival in ("rf", "position"):
         theirs = both_aucs(metrics, rival)
         if rival != learner and theirs is not None:

@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
+from horizon_dl.methods.registry import printed_name
 from horizon_dl.reporting.conclusion import headline_score
 from horizon_dl.reporting.sections import Table
-from horizon_dl.reporting.table import METHOD_NAMES, figure_text
+from horizon_dl.reporting.table import figure_text
 
 TRUTHS = {
     "": "stands on the floor",
@@ -21,7 +22,7 @@ def height_table(metrics: Mapping[str, Any]) -> Table | None:
     if not any(method.get("crossing") or method.get("low") for method in methods.values()):
         return None
     rows = [
-        [METHOD_NAMES.get(name, name), headline_score(name).replace("_", " "), *_cells(name, method)]
+        [printed_name(name), headline_score(name).replace("_", " "), *_cells(name, method)]
         for name, method in methods.items()
     ]
     caption = (

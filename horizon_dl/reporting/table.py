@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from horizon_dl.methods.registry import printed_name
+
 FIGURES = {
     "auc": "AUC",
     "auc_within_depression": "AUC within depression",
@@ -12,13 +14,6 @@ FIGURES = {
     "best_f1": "best F1",
 }
 HEADER = ("method", "score", *FIGURES.values())
-METHOD_NAMES = {
-    "cnn": "CNN",
-    "rf": "forest",
-    "diffusion": "guided diffusion (no learning)",
-    "geodesic": "geodesic (no learning)",
-    "position": "position alone",
-}
 _MISSING = "-"
 
 
@@ -39,7 +34,7 @@ def metrics_rows(metrics: Mapping[str, Any]) -> list[list[str]]:
     """
     rows: list[list[str]] = []
     for method, values in metrics["methods"].items():
-        name = METHOD_NAMES.get(method, method)
+        name = printed_name(method)
         for score, figures in values.get("scores", {}).items():
             label = "" if score == "score" else score.replace("_", " ")
             rows.append([name, label, *(figure_text(figures, figure) for figure in FIGURES)])
@@ -53,7 +48,7 @@ def method_rows(metrics: Mapping[str, Any]) -> list[list[str]]:
     for method, values in metrics["methods"].items():
         point = values.get("operating_point") or {}
         row = [
-            METHOD_NAMES.get(method, method),
+            printed_name(method),
             figure_text(values, "horizon_accuracy"),
             _number(values.get("train_s"), 1),
             _number(values.get("predict_ms_per_frame"), 1),
