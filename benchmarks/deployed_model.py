@@ -32,6 +32,7 @@ from sampled_net import SAMPLES, THRESHOLD, Batch, Passes, Summary, naive_torch
 from torch import Tensor, nn
 
 from horizon_dl.config import Config
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.view import View, make_view
 from horizon_dl.export.encode import Encode
 from horizon_dl.export.graph import Pipeline
@@ -48,7 +49,6 @@ from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.benchmark import quartiles
 from horizon_dl.runtime.model import new_session
 from horizon_dl.simulation.embedded import embedded_set
-from horizon_dl.training.evenly import evenly
 from horizon_dl.uncertainty.measures import measures
 from horizon_dl.uncertainty.obstacle_map import obstacle_map
 

@@ -11,13 +11,13 @@ from nets import set_names, store_of, trained_net
 from numpy.typing import NDArray
 from places import AS_SHIPPED, EVERYWHERE, drawn_samples
 
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.view import View
 from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.models.encoded import image_tensor
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.reporting.table import format_markdown
-from horizon_dl.training.evenly import evenly
 from horizon_dl.uncertainty.measures import measures
 
 MEASURES = ("mutual_information", "entropy", "expected_entropy")

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from safety_pictures import PICTURES, Scene, Spoiled
 
 from horizon_dl.config import load_config
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.frame import Frame, Truth
 from horizon_dl.data.source import Recording
 from horizon_dl.evidence.judge import Judge
@@ -43,7 +44,6 @@ from horizon_dl.ranging.temporal_filter import SectorFilter
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.runtime.perception import Perception
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.run_folder import save_run
 from horizon_dl.training.train import train_run
 

@@ -13,6 +13,7 @@ from ablations import ABLATIONS
 from nets import store_of, trained_net
 from numpy.typing import NDArray
 
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.frame import Frame
 from horizon_dl.evaluation.compare import split_recording
 from horizon_dl.evidence.sketch import LUMA
@@ -21,7 +22,6 @@ from horizon_dl.methods.learners import Method, NetMethod, fit_forest
 from horizon_dl.metrics.roc import RocAccumulator
 from horizon_dl.metrics.scored_pixels import ScoredPixels, enlarged, scored_pixels
 from horizon_dl.reporting.table import format_markdown
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
 from horizon_dl.workers import SerialWorkers

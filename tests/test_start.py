@@ -10,6 +10,7 @@ from safetensors.torch import load_file
 from toy import write_toy_set
 
 from horizon_dl.config import Config, ModelConfig, load_config
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.view import View
 from horizon_dl.models.build import build_net
 from horizon_dl.models.encoded import EncodedImage
@@ -18,7 +19,6 @@ from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 from horizon_dl.targets.taught import taught_target
 from horizon_dl.training.context import before_last_round, share_of_deepest
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.half_resolution import Teacher, half_resolution_target
 from horizon_dl.training.online.learner import OnlineLearner

@@ -21,6 +21,7 @@ from horizon_dl.cli.options import (
     resolve_config,
     say_skipped,
 )
+from horizon_dl.evaluation.protocols import PROTOCOLS
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_vehicle_height(parser)
     parser.add_argument(
         "--protocol",
-        choices=("tail", "labelled-out", "prequential"),
+        choices=PROTOCOLS,
         default="labelled-out",
         help="which frames are learned from and which scored (default: labelled-out)",
     )

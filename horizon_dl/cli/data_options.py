@@ -34,7 +34,7 @@ def add_given(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--attitude",
         metavar="FROM",
-        help="a log's file, mavlink:URL, constant:ROLL,PITCH in degrees, or from-images",
+        help="a log's file, constant:ROLL,PITCH in degrees, from-images, or (`online`, a camera) mavlink:URL",
     )
     parser.add_argument(
         "--time-offset",
@@ -77,9 +77,9 @@ def given(arguments: argparse.Namespace, *, needs_attitude: bool = True) -> "Giv
 
 def open_data(arguments: argparse.Namespace) -> "Recording":
     """The recording that `DATA` and the options beside it name; InputError for a camera or stream."""
-    from horizon_dl.sources.open_source import finished_recording, open_source
+    from horizon_dl.sources.open_source import open_finished
 
-    return finished_recording(open_source(arguments.data, arguments.format, given(arguments)))
+    return open_finished(arguments.data, arguments.format, given(arguments))
 
 
 def open_finding_axes(arguments: argparse.Namespace) -> tuple["Recording", str]:

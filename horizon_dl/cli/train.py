@@ -95,9 +95,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _show(folder: Path, trained: "Run", recording: "Recording") -> None:
     """A film and a page of frames that it was trained on."""
+    from horizon_dl.data.evenly import evenly
     from horizon_dl.processes import is_helper
     from horizon_dl.reporting.outputs import film_and_page
-    from horizon_dl.training.evenly import evenly
     from horizon_dl.training.predict import RunPredictor
     from horizon_dl.visualization.log_predictions import log_predictions
     from horizon_dl.visualization.sink import closing

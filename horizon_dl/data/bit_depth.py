@@ -8,9 +8,8 @@ import struct
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-
 from horizon_dl.data.decoding import decode, deep_values, is_deep
+from horizon_dl.data.evenly import evenly
 from horizon_dl.errors import FrameError
 
 FULL = 16
@@ -26,8 +25,7 @@ def used_bits(paths: Sequence[Path]) -> int:
     bits; else the brightest pixel of some pictures over the recording tells.
     """
     brightest = 0
-    for index in np.unique(np.linspace(0, len(paths) - 1, LOOKED_AT).astype(int)) if paths else ():
-        path = paths[index]
+    for path in evenly(paths, LOOKED_AT):
         try:
             image = decode(path)
             if not is_deep(image) or _scaled_by_its_own(path):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from horizon_dl.config import Config
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.deal import Part, dealt
@@ -38,7 +39,6 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
 from horizon_dl.ranging.vehicle_height import VehicleHeight
 from horizon_dl.training.context import agreement_of
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.evidence import place_of
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.thresholds import paper_threshold_of

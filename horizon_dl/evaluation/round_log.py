@@ -2,12 +2,12 @@
 
 from lightning.pytorch.loggers import Logger
 
+from horizon_dl.data.evenly import evenly
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.scored_pixels import scored_pixels
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.runtime.prediction import FLOWN_SCORE, Prediction
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.loggers import log_picture
 from horizon_dl.training.predict import measured, prediction_of

@@ -7,6 +7,7 @@ from typing import Any
 
 import onnx
 
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
@@ -18,7 +19,6 @@ from horizon_dl.geometry.camera import Camera
 from horizon_dl.output import write_json
 from horizon_dl.runtime.model import camera_from_card
 from horizon_dl.runtime.signature import Signer
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.run_folder import Run
 
 MOST_FRAMES = 8

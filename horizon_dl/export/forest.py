@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from horizon_dl.config import Config
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.export.card import make_forest_card
 from horizon_dl.export.export import Exported, exported, parity_frames
@@ -15,7 +16,6 @@ from horizon_dl.models.forest import HorizonForest
 from horizon_dl.runtime.benchmark import quartiles, timed_in_turn
 from horizon_dl.runtime.model import camera_from_card, new_session
 from horizon_dl.training.context import agreement_of
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
 

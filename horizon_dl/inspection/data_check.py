@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.frame import FrameHeader, has_attitude
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View, make_view
@@ -129,7 +130,7 @@ def check_recording(
 def _look(recording: Recording, indices: list[int], max_pixels: int, progress: bool) -> _Sample:
     """Reads the sampled images once; those that cannot be read are noted and left out."""
     sample = _Sample()
-    overlays = {indices[int(k)] for k in np.linspace(0, len(indices) - 1, OVERLAYS).round()}
+    overlays = set(evenly(indices, OVERLAYS))
     size = working_size(recording.calibrated.width, recording.calibrated.height, max_pixels)
     before: tuple[int, NDArray[np.uint8]] | None = None
     for index in _bar(indices, progress):
@@ -184,7 +185,7 @@ def _motion(recording: Recording, sample: _Sample, times: Timing) -> MotionFit |
 def _truth(recording: Recording, labelled: list[int]) -> TruthStatistics:
     """Truths of at most `MOST_TRUTHS` evenly spaced labelled frames; unreadable ones count as not read."""
     counts = np.zeros(5, np.int64)
-    for index in {labelled[int(k)] for k in np.linspace(0, len(labelled) - 1, MOST_TRUTHS).round()}:
+    for index in evenly(labelled, MOST_TRUTHS):
         try:
             counts += truth_counts(recording.read(index))
         except FrameError:

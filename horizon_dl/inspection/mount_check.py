@@ -4,8 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.lines import LinePlanes, line_planes
@@ -87,7 +86,7 @@ def check_mount(recording: Recording, stated_rpy_rad: Mount, *, progress: bool =
         InputError: the images do not tell.
     """
     usable = [index for index, entry in enumerate(recording.headers) if entry.up_cam is not None]
-    chosen = sorted({usable[int(k)] for k in np.linspace(0, len(usable) - 1, MOST_FRAMES).round()})
+    chosen = evenly(usable, MOST_FRAMES)
     planes: list[LinePlanes] = []
     ups: list[Any] = []
     for index in show_progress(chosen, "looking for edges", unit="image", disable=not progress):

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.evidence.sketch import luma
@@ -27,9 +28,9 @@ def quick_check(recording: Recording, band_rad: float) -> DataCheck:
     """
     if not recording.headers:
         raise InputError(recording.name, "has no frames", "check the folder and its image list")
-    pictures, levels, unreadable = _look(recording, _spread(recording.length, MOST_IMAGES))
+    pictures, levels, unreadable = _look(recording, evenly(range(recording.length), MOST_IMAGES))
     usable = [index for index, header in enumerate(recording.headers) if header.up_cam is not None]
-    some = recording.select([usable[place] for place in _spread(len(usable), MOST_HEADERS)])
+    some = recording.select(evenly(usable, MOST_HEADERS))
     check = DataCheck(
         name=recording.name,
         format=recording.format,
@@ -65,9 +66,3 @@ def _look(
         pictures.append(picture_statistics(small, None))
         levels.append(float(luma(small).mean()))
     return pictures, levels, unreadable
-
-
-def _spread(count: int, most: int) -> list[int]:
-    return (
-        sorted({int(place) for place in np.linspace(0, count - 1, min(count, most)).round()}) if count else []
-    )

@@ -18,5 +18,5 @@ TITLES = {
 
 
 def printed_name(method: str) -> str:
-    """What a method is called in print; a plugin's, or one that is not known here, by its own name."""
+    """What a method is called in print; one that is not known here by its own name."""
     return TITLES.get(method, method)

@@ -32,8 +32,7 @@ def open_source(
         >>> for frame in source.frames(): ...                      # doctest: +SKIP
     """
     if not is_live(str(where)):
-        recording = open_recording(Path(where), format, given)
-        return on_found_clock(recording) if given.find_offset else recording
+        return open_finished(where, format, given)
     if given.needs_attitude and given.attitude is None:
         problem = "has no attitude: nothing says where the horizon lies"
         raise InputError(where, problem, "give --attitude mavlink:URL, or constant:ROLL,PITCH in degrees")
@@ -44,8 +43,9 @@ def open_source(
     return CameraSource(str(where), calibration, delay_s=delay_s, attitude=attitude)
 
 
-def finished_recording(source: FrameSource) -> Recording:
-    """The source, where it can be read again and again; InputError for a camera or stream."""
-    if isinstance(source, Recording):
-        return source
-    raise InputError(source.name, "is live: its frames are gone once seen", "learn from it with `online`")
+def open_finished(where: str | Path, format: str | None = None, given: Given = NOTHING_GIVEN) -> Recording:
+    """As `open_source`, of what can be read again and again; InputError for a camera or stream."""
+    if is_live(str(where)):
+        raise InputError(where, "is live: its frames are gone once seen", "learn from it with `online`")
+    recording = open_recording(Path(where), format, given)
+    return on_found_clock(recording) if given.find_offset else recording

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.config import Config, TrainConfig
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.view import View
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.models.start import starts_simulated
 from horizon_dl.targets.agreement import mean_agreement, path_agreement
 from horizon_dl.targets.targets import LEARNING
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 
 Map = NDArray[np.float32]

@@ -3,8 +3,8 @@
 from typing import Any
 
 from horizon_dl.config import Config
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.train import train_run
 
 FRAMES, ROUNDS = 100, (100, 100)

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
+from horizon_dl.data.evenly import evenly
 from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.uncertainty.measures import binary_entropy
 from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold

@@ -16,6 +16,7 @@ from lightning.pytorch.loggers import Logger
 from torch.utils.data import DataLoader
 
 from horizon_dl.config import Config, TrainerConfig
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.models.fcn import HorizonFCN
@@ -25,7 +26,6 @@ from horizon_dl.quiet import quiet_logger
 from horizon_dl.training.context import RoundPlan, agreement_of, all_depths, before_last_round
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.distributed import SyncBatchNorm
-from horizon_dl.training.evenly import evenly
 from horizon_dl.training.evidence import EVIDENCE_FRAMES, training_evidence
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.half_resolution import Teacher, guide_of, half_resolution_frame

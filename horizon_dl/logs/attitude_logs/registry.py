@@ -60,6 +60,8 @@ def read_attitude(given: str, units: Given = NOTHING_GIVEN) -> AttitudeLog | Con
         -1.571
     """
     kind, _, rest = given.partition(":")
+    if kind == "mavlink":
+        raise InputError(given, "is the attitude of a camera that `online` sees", "give a log's file")
     return _constant(rest) if kind == "constant" else read_attitude_log(Path(given), units)
 
 

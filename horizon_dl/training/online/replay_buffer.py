@@ -11,6 +11,7 @@ import torch
 from numpy.typing import NDArray
 from PIL import Image
 
+from horizon_dl.data.evenly import evenly
 from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.training.crops import TrainingFrame
 from horizon_dl.training.online.compression import (
@@ -101,8 +102,7 @@ class ReplayBuffer:
     def sample(self, count: int) -> list[CompressedFrame]:
         """At most `count` of the frames held, evenly spread over the time since the first."""
         by_time = sorted(self._kept, key=lambda kept: kept.number)
-        places = np.linspace(0, len(by_time) - 1, min(count, len(by_time))).astype(int)
-        return [by_time[place].packed for place in places]
+        return [kept.packed for kept in evenly(by_time, count)]
 
     def numbers(self) -> list[int]:
         """Of each frame held, how many were seen before it."""
