@@ -22,7 +22,7 @@ from horizon_dl.vehicle.flight_params import FlightParams
 
 Share = Annotated[float, Field(ge=0.0, lt=1.0)]
 Positive = Annotated[float, Field(gt=0.0)]
-# Limits above are far over all use: they keep a slip of the keyboard from taking all memory.
+# The upper limits are far above any real use: they keep a slip of the keyboard from taking all memory.
 Count = Annotated[int, Field(ge=1, le=10**9)]
 Few = Annotated[int, Field(ge=1, le=4096)]
 

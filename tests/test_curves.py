@@ -14,7 +14,6 @@ from horizon_dl.reporting.curves import (
     roc_figure,
     save_figure,
     thin_curve,
-    training_figure,
 )
 
 X = np.linspace(0, 1, 5000)
@@ -78,12 +77,6 @@ def test_empty_bins_are_nan_and_drawn() -> None:
     predicted, observed, _ = reliability(np.array([0.1]), np.array([True]))
     assert np.isnan(predicted).sum() == np.isnan(observed).sum() == 9
     assert figure_bytes(reliability_figure({"CNN": (predicted, observed)}), "png").startswith(b"\x89PNG")
-
-
-def test_training_curves_with_gaps() -> None:
-    axes = training_figure({"loss": [0.7, float("nan"), 0.5], "accuracy": [0.5]}).axes[0]
-    assert [line.get_label() for line in axes.lines] == ["loss", "accuracy"]
-    assert axes.lines[0].get_xdata().tolist() == [1, 2, 3]
 
 
 def test_files_by_ending_and_the_same_twice(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from horizon_dl.geometry.polar import bearings_for, polar_view
 from horizon_dl.geometry.rays import camera_rays
 from horizon_dl.ranging.contact import ContactDetectorParams
 from horizon_dl.ranging.free_distance import free_distances
+from horizon_dl.ranging.rules import RangingParams
 from horizon_dl.ranging.sectors import Outcome
 from horizon_dl.ranging.usual_levels import UsualLevels
 
@@ -212,7 +213,7 @@ def test_damaged_limits_are_told(damaged: object) -> None:
 
 def test_the_usual_floor_is_the_median_of_the_pictures_own_levels() -> None:
     rng = np.random.default_rng(1)
-    calibration = PlaceCalibration(contact=ContactDetectorParams(floor_percentile=20.0))
+    calibration = PlaceCalibration(ranging=RangingParams(rise=ContactDetectorParams(floor_percentile=20.0)))
     levels = []
     for seed in range(5):
         p = np.where(ELEVATION > 0, 0.9, rng.uniform(0.02, 0.4, ELEVATION.shape)).astype(np.float32)

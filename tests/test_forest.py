@@ -39,13 +39,12 @@ def test_samples_average_to_the_forests_probability(forest, views):
     assert samples.shape == (20, 36, 48)
     assert samples.dtype == np.float32
     np.testing.assert_allclose(samples.mean(axis=0).ravel(), expected, atol=1e-6)
-    np.testing.assert_allclose(forest.p_above(view)[0].ravel(), expected, atol=1e-6)
-    assert forest.p_above(view).shape == (1, 36, 48)
+    np.testing.assert_allclose(forest.p_above_samples(view).mean(axis=0).ravel(), expected, atol=1e-6)
 
 
 def test_sure_of_floor_and_sky_and_unsure_of_what_stands_on_both_sides(forest):
     view = make_scene(9)
-    p = forest.p_above(view)[0]
+    p = forest.p_above_samples(view).mean(axis=0)
     assert np.median(p[:14, :12]) > 0.9
     assert np.median(p[22:, :12]) < 0.1
     assert 0.25 < np.median(p[22:, 18:22]) < 0.75
@@ -64,8 +63,8 @@ def test_same_seed_same_forest_other_seed_another(forest, views):
     view = make_scene(9)
     again = HorizonForest.fit(views, seed=0, training_pixels=4000, n_jobs=2)
     other = HorizonForest.fit(views, seed=1, training_pixels=4000, n_jobs=1)
-    np.testing.assert_array_equal(again.p_above(view), forest.p_above(view))
-    assert not np.array_equal(other.p_above(view), forest.p_above(view))
+    np.testing.assert_array_equal(again.p_above_samples(view), forest.p_above_samples(view))
+    assert not np.array_equal(other.p_above_samples(view), forest.p_above_samples(view))
 
 
 def test_drawn_pixels_lie_outside_the_band_on_valid_rays_and_are_not_repeated():
@@ -115,7 +114,7 @@ def test_leaves_as_onnx(forest):
     model = skl2onnx.to_onnx(forest.classifier, features[:1], options={"zipmap": False})
     session = onnxruntime.InferenceSession(model.SerializeToString(), providers=["CPUExecutionProvider"])
     probability = session.run(None, {session.get_inputs()[0].name: features})[1][:, 1]
-    np.testing.assert_allclose(probability, forest.p_above(view).ravel(), atol=1e-5)
+    np.testing.assert_allclose(probability, forest.p_above_samples(view).ravel(), atol=1e-5)
 
 
 # Entropy, pooled AUC below the horizon, of the method's published features on these sets: a forest that falls
@@ -139,7 +138,7 @@ def test_forest_is_as_strong_as_it_should_be(data_dir, folder, max_pixels, least
     for frame in (recording.read(i) for i in split.test):
         view, pixels = make_view(frame, max_pixels), scored_pixels(frame)
         assert pixels is not None
-        score = enlarged(binary_entropy(forest.p_above(view)[0]), pixels.mask.shape)[pixels.mask]
+        score = enlarged(binary_entropy(forest.p_above_samples(view)[0]), pixels.mask.shape)[pixels.mask]
         roc.update(score, pixels.obstacle, pixels.depression_rad)
     result = roc.compute()
     assert result.auc is not None

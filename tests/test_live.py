@@ -211,7 +211,7 @@ def test_a_recording_for_rerun(tmp_path: Path) -> None:
     for path in (
         b"camera/image",
         b"maps/flown",
-        b"maps/surprise",
+        b"maps/surprisal",
         b"maps/entropy",
         b"body/distances",
         b"unknown",

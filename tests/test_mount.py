@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from horizon_dl.calibration.camera_file import camera_file
 from horizon_dl.cli import main
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
@@ -129,15 +128,6 @@ def test_images_without_edges_are_one_line(tmp_path: Path, capsys: Any) -> None:
     rows = [f"images/{i}.png,{0.1 * i},0.0,0.0,0.0,1.5" for i in range(8)]
     assert main(["calibrate-mount", str(make_sets.images_csv(tmp_path / "flat", rows))]) == 2
     assert "do not tell how the camera is mounted" in capsys.readouterr().err
-
-
-def test_the_camera_file_may_lie_beside_a_flight(tmp_path: Path) -> None:
-    (tmp_path / "flight").mkdir()
-    assert camera_file(tmp_path / "flight") is None
-    (tmp_path / "camera.yaml").write_text("")
-    assert camera_file(tmp_path / "flight") == tmp_path / "camera.yaml"
-    (tmp_path / "flight" / "camera.yaml").write_text("")
-    assert camera_file(tmp_path / "flight") == tmp_path / "flight" / "camera.yaml"
 
 
 @pytest.mark.real_data

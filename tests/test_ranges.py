@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from flat_model import ANY_PLACE
@@ -20,10 +21,11 @@ from horizon_dl.ranging.sectors import FreeDistances, Outcome, no_distances
 from horizon_dl.reporting.comparison_log import prediction_of
 from horizon_dl.runtime.ranged import range_frame, ranges_of
 from horizon_dl.runtime.rules import FlightRules
+from horizon_dl.visualization.colours import Image
 from horizon_dl.visualization.film_picture import title_of
 from horizon_dl.visualization.flown import RANGES_TITLE, ranges_title, unknown_words
 from horizon_dl.visualization.panels import PanelRow, frame_panel
-from horizon_dl.visualization.range_picture import range_picture
+from horizon_dl.visualization.range_picture import draw_ranged
 from horizon_dl.visualization.ranges import draw_ranges
 
 CAMERA = Camera("pinhole", 320, 240, 300.0, 300.0, 159.5, 119.5)
@@ -108,6 +110,11 @@ def test_metres_are_written_and_the_picture_may_be_smaller() -> None:
 
 FRAME = Frame("a.png", 0.0, UP, height_m=1.0, image=WHITE, camera=CAMERA)
 P_ABOVE = np.where(WALL, 0.5, 0.02).astype(np.float32)
+
+
+def range_picture(frame: Frame, *said: Any) -> Image | None:
+    found = range_frame(frame, *said)
+    return None if found is None else draw_ranged(frame.image, said[0], found)
 
 
 def test_a_frame_is_ranged_and_the_panel_shows_it() -> None:

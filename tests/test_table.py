@@ -76,7 +76,7 @@ def test_markdown() -> None:
         "| --- | ---: |",
         "| x | 1 |",
     ]
-    lines = metrics_table(METRICS, "markdown").splitlines()
+    lines = format_markdown(HEADER, metrics_rows(METRICS)).splitlines()
     assert {line.count("|") for line in lines} == {len(HEADER) + 1}
 
 

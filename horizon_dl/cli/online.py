@@ -142,7 +142,7 @@ def _source(arguments: argparse.Namespace) -> "FrameSource":
 
 
 def _autopilot(arguments: argparse.Namespace) -> str | None:
-    """The autopilot's address; it is taken out of --attitude, which is a log's else."""
+    """The autopilot's address; it is taken out of --attitude, which else names a log."""
     from horizon_dl.errors import InputError
 
     if arguments.mavlink and arguments.attitude:

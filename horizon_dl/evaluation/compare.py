@@ -80,7 +80,7 @@ class _Task:
         store: where the frames come from.
         split: which are learned from, and which scored.
         seed: of the learners.
-        learners: their names; the first one's distances are measured.
+        learners: their names.
         on_frame: called with every test frame.
         progress: show progress bars.
         workers: see `compare`; `prequential` asks none.
@@ -250,7 +250,7 @@ def _prequential(task: _Task) -> Learned:
     store, split, seed, learners = task.store, task.split, task.seed, task.learners
     kinds: dict[str, Callable[[Config, int], StreamLearner]] = {NET: NetStream, FOREST: ForestStream}
     streams = {name: kinds[name](store.config, seed) for name in learners}
-    validation = ProgressiveValidation(streams, store.config, store.recording.headers, learners[0])
+    validation = ProgressiveValidation(streams, store.config)
     for index, item in enumerate(_bar(split.train, f"online, seed {seed}", len(split.train), task.progress)):
         read = store.read(item)
         for frame, view in store.usable([(item, read)]):

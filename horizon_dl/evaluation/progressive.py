@@ -4,21 +4,18 @@ Also called prequential evaluation (Dawid 1984; Gama et al., On evaluating strea
 Learning 2013). `compare --protocol prequential` and `online` count by this one class.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.config import Config
-from horizon_dl.data.frame import Frame, FrameHeader
+from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.evaluation.protocols import WARM_UP_FRAMES
 from horizon_dl.evaluation.scoring import ScoredFrame, count_frame
-from horizon_dl.evidence.place import usual_levels
 from horizon_dl.geometry.horizon import labelled_pixels
-from horizon_dl.methods.registry import NET
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
-from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.uncertainty.measures import P_ABOVE
 from horizon_dl.uncertainty.threshold import PaperThreshold
 
@@ -35,30 +32,19 @@ class ProgressiveValidation:
     Args:
         methods: their names.
         config: ignored band and percentile.
-        headers: of the frames, where they are known beforehand: they tell the interval of the distances.
-        ranged: the method whose distances are measured.
 
     Attributes:
         accumulators: by method.
         thresholds: by method.
-        ranging: of the method `ranged`.
         tested: frames scored with truth.
     """
 
-    def __init__(
-        self,
-        methods: Iterable[str],
-        config: Config,
-        headers: Sequence[FrameHeader] = (),
-        ranged: str = NET,
-    ) -> None:
+    def __init__(self, methods: Iterable[str], config: Config) -> None:
         names = tuple(methods)
         self.accumulators = {name: MethodAccumulator() for name in names}
         self.thresholds = {name: PaperThreshold(config.threshold.percentile) for name in names}
-        self.ranging = RangingBlock(headers, config.ranging_params)
         self.tested = 0
         self._band_rad = config.labels.band_rad
-        self._ranged = ranged
 
     @staticmethod
     def scores(index: int, frame: Frame) -> bool:
@@ -82,8 +68,6 @@ class ProgressiveValidation:
             thresholds = {name: self.thresholds[name].compute() for name in maps}
             scored = ScoredFrame(frame, view, maps, thresholds)
             count_frame(self.accumulators, scored, self._band_rad)
-            usual = usual_levels(None, thresholds[self._ranged])
-            self.ranging.update(frame, maps[self._ranged][P_ABOVE], usual)
             self.tested += 1
         elif index >= WARM_UP_FRAMES:
             for name, found in maps.items():

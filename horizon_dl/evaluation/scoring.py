@@ -121,12 +121,17 @@ def count_frame(accumulators: Mapping[str, MethodAccumulator], scored: ScoredFra
         accumulators[name].update(scored.view, maps, pixels, others, band_rad=band_rad, threshold=threshold)
 
 
+def count_distances(ranging: RangingBlock, scored: ScoredFrame, learner: str = NET) -> None:
+    """Count the distances of a frame by what a learner says."""
+    usual = usual_levels(scored.places.get(learner), scored.thresholds[learner])
+    ranging.update(scored.frame, scored.maps[learner][P_ABOVE], usual)
+
+
 def watching(ranging: RangingBlock, on_frame: OnFrame | None, learner: str = NET) -> OnFrame:
     """`on_frame` that also ranges by what a learner says."""
 
     def watch(scored: ScoredFrame) -> None:
-        usual = usual_levels(scored.places.get(learner), scored.thresholds[learner])
-        ranging.update(scored.frame, scored.maps[learner][P_ABOVE], usual)
+        count_distances(ranging, scored, learner)
         if on_frame:
             on_frame(scored)
 

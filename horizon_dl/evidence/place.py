@@ -14,7 +14,7 @@ from horizon_dl.evidence.appearance import FEATURES, LEAST_RANGE, appearance
 from horizon_dl.evidence.horizon_offset import horizon_offset
 from horizon_dl.evidence.limits import LIMITS, EvidenceLimits
 from horizon_dl.evidence.sectors import lost_pixels
-from horizon_dl.ranging.contact import ContactDetectorParams
+from horizon_dl.ranging.rules import RangingParams
 from horizon_dl.ranging.usual_levels import UsualLevels
 from horizon_dl.uncertainty.measures import p_of_entropy
 
@@ -26,8 +26,6 @@ OFTEN = 1e-3
 """Share of the training pixels from which on a colour is a usual one of flat ground. Not picked on data."""
 LOG_RANGE = (-2.0, 8.0)
 """All that the logarithms of changes in grey levels can be."""
-UNSEEN_RAD = float(np.deg2rad(1.0))
-"""This close to the horizon the attitude's error decides the side."""
 VERSION = 1
 
 
@@ -144,11 +142,11 @@ class PlaceCalibration:
 
     Attributes:
         limits: of the config.
-        contact: how the floor's level is taken.
+        ranging: how the floor's level is taken, and where the ground begins.
     """
 
     limits: EvidenceLimits = LIMITS
-    contact: ContactDetectorParams = field(default_factory=ContactDetectorParams)
+    ranging: RangingParams = field(default_factory=RangingParams)
     _features: list[NDArray[np.float64]] = field(default_factory=list)
     _floors: list[float] = field(default_factory=list)
     _offsets: list[float] = field(default_factory=list)
@@ -161,9 +159,9 @@ class PlaceCalibration:
         """One picture at the working size; see `appearance`."""
         self._features.append(appearance(image, elevation, p_above, self.limits))
         self._offsets.append(horizon_offset(p_above, elevation, self.limits))
-        ground = p_above[elevation < -UNSEEN_RAD]
+        ground = p_above[elevation < -self.ranging.unseen_rad]
         if ground.size:
-            self._floors.append(float(np.percentile(ground, self.contact.floor_percentile)))
+            self._floors.append(float(np.percentile(ground, self.ranging.rise.floor_percentile)))
         below = elevation < 0
         self._counts += _colour_counts(image[below])
         self._flat += _colour_counts(image[below & lost_pixels(image)])

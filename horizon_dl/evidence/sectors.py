@@ -1,4 +1,5 @@
-"""Evidence of single sectors: of the floor that a sector claims, how much shows anything, and the known?"""
+"""Evidence of single sectors: how much of the floor that a sector claims shows
+any detail, and how much has familiar colours?"""
 
 import numpy as np
 from numpy.typing import NDArray

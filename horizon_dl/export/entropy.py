@@ -9,11 +9,11 @@ TINY = float(np.finfo(np.float32).tiny)
 BITS = 1 / log(2)
 
 
-def surprise(p: Tensor) -> Tensor:
+def surprisal_of(p: Tensor) -> Tensor:
     """-log2 p; at most 126 bits, and never negative where rounding made p a little more than one."""
     return p.clamp(TINY, 1.0).log() * -BITS
 
 
 def entropy(p: Tensor) -> Tensor:
     """Of a yes with probability p, bits; zero where p is 0 or 1."""
-    return p * surprise(p) + (1 - p) * surprise(1 - p)
+    return p * surprisal_of(p) + (1 - p) * surprisal_of(1 - p)

@@ -7,7 +7,7 @@ import torch
 from torch import Tensor, nn
 
 from horizon_dl.export.encode import Encode
-from horizon_dl.export.entropy import BITS, entropy, surprise
+from horizon_dl.export.entropy import BITS, entropy, surprisal_of
 from horizon_dl.export.forest_features import ForestFeatures
 from horizon_dl.export.forest_trees import ML_DOMAIN, ML_OPSET, TreeVotes
 from horizon_dl.export.resize import AreaShrink, NearestEnlarge
@@ -166,8 +166,8 @@ class MeasureMaps(nn.Module):
         """
         p_side = (p_above - (1 - above.float())).abs()
         p_other = 1 - p_side
-        surprisal = surprise(p_side)
-        found = (p_side * surprisal + p_other * surprise(p_other)).clamp(0.0, 1.0)
+        surprisal = surprisal_of(p_side)
+        found = (p_side * surprisal + p_other * surprisal_of(p_other)).clamp(0.0, 1.0)
         return found, (found - information).relu(), surprisal
 
 

@@ -39,7 +39,7 @@ def area_weights(inputs: int, outputs: int) -> NDArray[np.float32]:
 
 
 def area_resize(image: NDArray[np.uint8], size: tuple[int, int]) -> NDArray[np.uint8]:
-    """An (H, W, C) uint8 image reduced to `size` = (width, height), columns of pixels first.
+    """An (H, W, C) uint8 image reduced to `size` = (width, height), rows first.
 
     Raises:
         ValueError: the size is larger than the image.

@@ -26,7 +26,7 @@ COARSE_UPRIGHT, UPRIGHT = np.radians(3.0), np.radians(1.0)
 """A vertical's plane misses up by less than this; the vote falls off with the square."""
 FINE_STEP = float(FINE[1] - FINE[0])
 LEVEL = np.radians(np.arange(-10.0, 10.01, 0.5))
-AGREES, LEAST_SD = math.radians(1.5), math.radians(0.1)
+AGREES_RAD, LEAST_SD_RAD = math.radians(1.5), math.radians(0.1)
 LEAST_FRAMES = 5
 RESAMPLES, PARTS = 100, 10
 AZIMUTH_BINS = 90
@@ -103,13 +103,10 @@ def corrected_up(
     up_cam: Floats, mount_rpy_rad: tuple[float, float, float], roll: float, pitch: float
 ) -> Floats:
     """(N, 3) up directions with `roll` and `pitch` added to the mount, all rad."""
-    return _turned(up_cam, mount_rpy_rad, roll, pitch)
-
-
-def _turned(up: Floats, mount: tuple[float, float, float], roll: float, pitch: float) -> Floats:
-    stated = rotation_from_rpy(*mount)
-    right = rotation_from_rpy(mount[0] + roll, mount[1] + pitch, mount[2])
-    return np.asarray(up @ (OPTICAL_FROM_FRD @ right.T @ stated @ OPTICAL_FROM_FRD.T).T)
+    stated = rotation_from_rpy(*mount_rpy_rad)
+    yaw = mount_rpy_rad[2]
+    right = rotation_from_rpy(mount_rpy_rad[0] + roll, mount_rpy_rad[1] + pitch, yaw)
+    return np.asarray(up_cam @ (OPTICAL_FROM_FRD @ right.T @ stated @ OPTICAL_FROM_FRD.T).T)
 
 
 @dataclass(frozen=True)
@@ -127,7 +124,7 @@ class _Edges:
         votes = np.zeros((len(self.up), len(rolls), len(pitches)))
         for i, roll in enumerate(rolls.tolist()):
             for j, pitch in enumerate(pitches.tolist()):
-                up = _turned(self.up, self.mount, roll, pitch)[self.frame]
+                up = corrected_up(self.up, self.mount, roll, pitch)[self.frame]
                 miss = np.einsum("ij,ij->i", self.normal, up)
                 vote = self.weight * np.maximum(0.0, 1.0 - np.square(miss / tolerance))
                 votes[:, i, j] = np.bincount(self.frame, vote, len(self.up))
@@ -135,7 +132,7 @@ class _Edges:
 
     def agreement(self, roll: float, pitch: float) -> Floats:
         """(frames,) how well the level edges agree under a mount."""
-        up = _turned(self.up, self.mount, roll, pitch)
+        up = corrected_up(self.up, self.mount, roll, pitch)
         return _agreement(self.normal, self.weight, self.frame, up[self.frame])
 
 
@@ -152,9 +149,9 @@ def _level_pitch(edges: _Edges, roll: float, pitch: float) -> Angle | None:
 
 def _both(vertical: Angle, level: Angle | None) -> Angle:
     """The mean of two opinions by their certainty where they agree, else the verticals'."""
-    if level is None or abs(level.correction - vertical.correction) > AGREES:
+    if level is None or abs(level.correction - vertical.correction) > AGREES_RAD:
         return vertical
-    first, second = (1 / max(one.sd, LEAST_SD) ** 2 for one in (vertical, level))
+    first, second = (1 / max(one.sd, LEAST_SD_RAD) ** 2 for one in (vertical, level))
     mean = (first * vertical.correction + second * level.correction) / (first + second)
     return Angle(float(mean), min(vertical.sd, level.sd), vertical.at_limit)
 

@@ -8,14 +8,13 @@ from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.lines import LinePlanes, line_planes
-from horizon_dl.inspection.mount import Angle, MountFit, fit_mount
+from horizon_dl.inspection.mount import AGREES_RAD, Angle, MountFit, fit_mount
 from horizon_dl.progress import show_progress
 
 MOST_FRAMES = 80
 SURE_RAD = math.radians(0.5)
 """With a standard deviation over this an angle cannot be told."""
 WORTH_RAD = math.radians(0.5)
-AGREES_RAD = math.radians(1.5)
 
 Mount = tuple[float, float, float]
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from horizon_dl.inspection.check_result import DataCheck
 from horizon_dl.inspection.finding import Finding
 
-WORTH_RAD = math.radians(1.0)
+WORTH_A_FINDING_RAD = math.radians(1.0)
 """A mount error that the ignored band does not cover well."""
 
 
@@ -32,7 +32,7 @@ def mount_finding(check: DataCheck) -> Iterator[Finding]:
     off = [
         f"{name} {math.degrees(one.correction):+.1f}"
         for name, one in angles.items()
-        if mount.is_worth(one, WORTH_RAD)
+        if mount.is_worth(one, WORTH_A_FINDING_RAD)
     ]
     if not off:
         yield Finding("ok", "Upright edges stand upright: nothing speaks against the stated mount.")

@@ -102,7 +102,7 @@ class HorizonFCN(nn.Module):
         return F.conv2d(features, weight, bias)
 
     def sample_weights(self) -> tuple[Tensor, Tensor]:
-        """Weight (masks, width, 1, 1) and bias (masks,) of the convolution that samples."""
+        """Weight (masks, features, 1, 1) and bias (masks,) of the convolution that samples."""
         weight, bias = self.last_layer()
         return self.masks[:, :, None, None] * weight, bias.expand(len(self.masks))
 

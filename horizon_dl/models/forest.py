@@ -110,11 +110,6 @@ class HorizonForest:
         )
         return np.stack(maps).reshape(len(trees), height, width)
 
-    def p_above(self, view: View) -> NDArray[np.float32]:
-        """Probability of above, mean over the trees: (1, h, w) float32, the shape of a single sample."""
-        mean: NDArray[np.float32] = self.p_above_samples(view).mean(axis=0, keepdims=True)
-        return mean
-
 
 def draw_view_pixels(
     view: View, seed: int | tuple[int, ...], band_rad: float, count: int

@@ -11,11 +11,13 @@ from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.evaluation.progressive import ProgressiveValidation
+from horizon_dl.evaluation.scoring import count_distances
 from horizon_dl.methods.registry import NET
 from horizon_dl.methods.scores import score_maps
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metric_snapshot import metric_snapshot, restore_metric
 from horizon_dl.metrics.metrics import SCHEMA, method_metrics
+from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.metrics.roc import RocAccumulator, RocResult
 from horizon_dl.metrics.running import RunningSides
 from horizon_dl.training.checkpoint import Snapshot
@@ -38,13 +40,15 @@ class OnlineFigures:
 
     Attributes:
         validation: the net's figures, each frame scored before it was learned from.
+        ranging: the distances of those frames.
         sides: running accuracy and calibration.
         reasons: frames not learned from, by reason.
         seen: frames that came; `predicted` could be, `learned` were learned from.
     """
 
     def __init__(self, config: Config, headers: Sequence[FrameHeader] = ()) -> None:
-        self.validation = ProgressiveValidation((NET,), config, headers)
+        self.validation = ProgressiveValidation((NET,), config)
+        self.ranging = RangingBlock(headers, config.ranging_params)
         self.accumulator.rocs |= {name: RocAccumulator() for name in SCORES}
         self.sides = RunningSides()
         self.reasons: Counter[str] = Counter()
@@ -89,7 +93,9 @@ class OnlineFigures:
         if self.validation.scores(index, frame):
             maps = score_maps(view, found, single_pass(view)[0], self._config.geodesic)
             self._result = None
-        self.validation.update(index, frame, view, {NET: maps})
+        scored = self.validation.update(index, frame, view, {NET: maps})
+        if scored is not None:
+            count_distances(self.ranging, scored)
 
     def auc(self) -> tuple[float | None, float | None]:
         """AUC of the entropy, pooled and within depression bands; None before any labelled frame."""
@@ -120,14 +126,14 @@ class OnlineFigures:
             "seeds": [self._config.seed],
             "frames": frames,
             "methods": {NET: method_metrics([self.accumulator], self.validation.thresholds[NET].rule)},
-            "ranging": self.validation.ranging.compute(),
+            "ranging": self.ranging.compute(),
         }
 
     def snapshot(self) -> Snapshot:
         """All figures so far."""
         counts = {name: getattr(self, name) for name in ("seen", "predicted", "learned")}
         parts = {
-            "ranging": metric_snapshot(self.validation.ranging),
+            "ranging": metric_snapshot(self.ranging),
             "counts": Snapshot(
                 values={**counts, "tested": self.validation.tested, "reasons": dict(self.reasons)}
             ),
@@ -147,5 +153,5 @@ class OnlineFigures:
         restore_metric(self.accumulator, snapshot.part("accumulator"))
         restore_metric(self.sides, snapshot.part("sides"))
         restore_metric(self.validation.thresholds[NET], snapshot.part("entropies"))
-        restore_metric(self.validation.ranging, snapshot.part("ranging"))
+        restore_metric(self.ranging, snapshot.part("ranging"))
         self._result = None

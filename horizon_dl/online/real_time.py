@@ -11,6 +11,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.errors import FrameError
 from horizon_dl.online.run import OnlineRun, Seen
 from horizon_dl.runtime.latency import Latencies
+from horizon_dl.sources.pace import is_waited_for
 
 Item = tuple[int, Frame | FrameError]
 
@@ -59,16 +60,18 @@ class PacedFrames:
         self._thread.join(1.0)
 
     def _read(self) -> None:
-        first_s: float | None = None
-        due_s = start_s = time.monotonic()
+        before_s: float | None = None
+        due_s = time.monotonic()
         try:
             for item in self._items:
                 if not isinstance(item[1], FrameError):  # what cannot be read is due with the frame before
-                    if first_s is None:
-                        first_s, start_s = item[1].time_s, time.monotonic()
-                    due_s = start_s + (item[1].time_s - first_s) / self._speed
+                    if before_s is None:
+                        due_s = time.monotonic()
+                    elif is_waited_for(item[1].time_s - before_s):
+                        due_s += (item[1].time_s - before_s) / self._speed
+                    before_s = item[1].time_s
                 self._stopped.wait(max(0.0, due_s - time.monotonic()))
-                self._put((max(due_s, start_s), item))
+                self._put((due_s, item))
                 if self._stopped.is_set():
                     return
         except Exception as error:  # whatever a reader raises belongs to the caller

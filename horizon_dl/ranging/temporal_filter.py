@@ -47,7 +47,7 @@ class SectorFilter:
         """The sectors now, joined with those of the frames before.
 
         Each sector takes over one of the measurements whole: the median by depression, of an even number the
-        nearer one. Where the newest frame sees a direction not, it stays unknown.
+        nearer one. A direction that the newest frame does not see stays unknown.
 
         Args:
             time_s: of the frame, not falling.

@@ -100,16 +100,6 @@ def _check_given(format: str, given: Given) -> None:
         raise InputError(f"--camera {given.camera}", problem, "leave it out")
 
 
-def recognise(path: Path) -> str:
-    """Name of the first format that the path, else the one recording in the folders below it, looks like.
-
-    Raises:
-        InputError: none, or several below; the error lists them, or what each format needs.
-    """
-    found = plugins()
-    return _found(path, _all(found), found.broken)[0]
-
-
 def _all(found: Plugins) -> dict[str, Reader]:
     """The package's own readers and other people's, in the order in which they are asked.
 

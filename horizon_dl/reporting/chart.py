@@ -1,7 +1,7 @@
 """Charts as small SVG that follows the page's colours; a script shows their values under the pointer."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import ceil, floor, isfinite, log10
 from typing import Any
 
@@ -55,7 +55,6 @@ class Chart:
     alt: str = ""
     diagonal: bool = False
     name: str = ""
-    kind: str = field(default="chart", init=False)
 
     def place(self, x: float, y: float) -> tuple[float, float]:
         """Where a point stands in the drawing."""

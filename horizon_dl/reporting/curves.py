@@ -120,25 +120,6 @@ def roc_figure(lines: Sequence[RocLine], title: str = "") -> "Figure":
     return figure
 
 
-def training_figure(
-    series: Mapping[str, Sequence[float]], x_label: str = "epoch", title: str = ""
-) -> "Figure":
-    """Curves over epochs or steps, one a name; values that are not finite leave gaps."""
-    from matplotlib.ticker import MaxNLocator
-
-    figure, axes = new_axes(6.0, 3.4)
-    colours = LINE_COLOURS * (1 + len(series) // len(LINE_COLOURS))
-    for (name, values), colour in zip(series.items(), colours, strict=False):
-        steps = np.arange(1, len(values) + 1)
-        marker = "o" if len(values) <= 30 else None
-        axes.plot(steps, values, color=colour, linewidth=1.6, marker=marker, markersize=3.5, label=name)
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.set(xlabel=x_label, title=title)
-    if series:
-        axes.legend(frameon=False, fontsize=8)
-    return figure
-
-
 def reliability(
     p_above: Floats, above: NDArray[np.bool_], bins: int = 10
 ) -> tuple[Floats, Floats, NDArray[np.int64]]:

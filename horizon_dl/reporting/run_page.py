@@ -18,7 +18,6 @@ from horizon_dl.visualization.film import Film
 LEARNER = "model"
 FILM = "film.mp4"
 KNOWN = (
-    ("index.html", ""),
     ("film.mp4", "film"),
     ("metrics.json", "figures (metrics.json)"),
     ("run.json", "about the run (run.json)"),
@@ -148,4 +147,4 @@ def _nearest_chart(points: Sequence[Point]) -> Chart:
 
 def links_to(folder: Path) -> list[tuple[str, str]]:
     """Links to those of the known results that lie in a folder."""
-    return [(name, words) for name, words in KNOWN if words and (folder / name).exists()]
+    return [(name, words) for name, words in KNOWN if (folder / name).exists()]

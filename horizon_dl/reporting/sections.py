@@ -2,7 +2,7 @@
 
 import base64
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from horizon_dl.inspection.finding import Finding
@@ -13,7 +13,7 @@ def media_type(content: bytes) -> str:
     """Media type of a picture from its first bytes.
 
     Raises:
-        ValueError: neither PNG, JPEG nor SVG.
+        ValueError: neither PNG, JPEG, SVG nor WebP.
     """
     if content.startswith(b"\x89PNG"):
         return "image/png"
@@ -23,7 +23,7 @@ def media_type(content: bytes) -> str:
         return "image/svg+xml"
     if content[:4] == b"RIFF" and content[8:12] == b"WEBP":
         return "image/webp"
-    raise ValueError("a figure needs the bytes of a PNG, JPEG or SVG file")
+    raise ValueError("a figure needs the bytes of a PNG, JPEG, SVG or WebP file")
 
 
 def data_address(content: bytes) -> str:
@@ -36,7 +36,6 @@ class Heading:
     """A heading that the contents list links to."""
 
     text: str
-    kind: str = field(default="heading", init=False)
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,6 @@ class Text:
 
     text: str
     lead: bool = False
-    kind: str = field(default="text", init=False)
 
     @property
     def paragraphs(self) -> list[str]:
@@ -61,7 +59,6 @@ class Table:
     rows: Sequence[Sequence[str]]
     caption: str = ""
     text_columns: int = 1
-    kind: str = field(default="table", init=False)
 
 
 @dataclass(frozen=True)
@@ -72,7 +69,6 @@ class Figure:
     caption: str = ""
     alt: str = ""
     wide: bool = False
-    kind: str = field(default="figure", init=False)
 
     @property
     def address(self) -> str:
@@ -85,7 +81,6 @@ class Findings:
     """A list of findings; the first section of `check-data`."""
 
     findings: Sequence[Finding]
-    kind: str = field(default="findings", init=False)
 
 
 @dataclass(frozen=True)
@@ -94,7 +89,6 @@ class Pairs:
 
     pairs: Sequence[tuple[str, str]]
     glossary: bool = False
-    kind: str = field(default="pairs", init=False)
 
 
 @dataclass(frozen=True)
@@ -104,7 +98,6 @@ class Video:
     path: str
     alt: str
     poster: bytes = b""
-    kind: str = field(default="video", init=False)
 
 
 @dataclass(frozen=True)
@@ -112,7 +105,6 @@ class Links:
     """Files beside the page: address and words."""
 
     links: Sequence[tuple[str, str]]
-    kind: str = field(default="links", init=False)
 
 
 @dataclass(frozen=True)
@@ -126,7 +118,6 @@ class Browser:
 
     data: Mapping[str, Any]
     facts: bool = False
-    kind: str = field(default="browser", init=False)
 
 
 Section = Heading | Text | Table | Figure | Findings | Pairs | Video | Links | Browser | Chart
@@ -147,7 +138,7 @@ GLOSSARY = Pairs(
         ),
         (
             "what is flown",
-            "Along each bearing, from the nearest ground up: free until the surprise rises over the floor's "
+            "Along each bearing, from the nearest ground up: free until the surprisal rises over the floor's "
             "level and stays there, blocked from there on; unknown where evidence lacks, with the reason.",
         ),
         (

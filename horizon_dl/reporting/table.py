@@ -118,14 +118,6 @@ def format_markdown(header: Sequence[str], rows: Sequence[Sequence[str]], text_c
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def metrics_table(metrics: Mapping[str, Any], style: str = "plain") -> str:
-    """`metrics.json` as one table of methods and scores, `plain` for the console or `markdown`.
-
-    Args:
-        metrics: the content of `metrics.json` of `compare` or `evaluate`.
-        style: `plain` or `markdown`.
-    """
-    rows = metrics_rows(metrics)
-    if style == "markdown":
-        return format_markdown(HEADER, rows, text_columns=2)
-    return format_table(HEADER, rows, text_columns=2)
+def metrics_table(metrics: Mapping[str, Any]) -> str:
+    """The content of `metrics.json`, of `compare` or `evaluate`, as one table of methods and scores."""
+    return format_table(HEADER, metrics_rows(metrics), text_columns=2)

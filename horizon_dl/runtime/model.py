@@ -1,7 +1,7 @@
 """The exported model at work: numpy and onnxruntime alone."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -17,15 +17,6 @@ from horizon_dl.runtime.rules import FlightRules
 from horizon_dl.runtime.signature import Verifier
 
 INPUTS = ("image", "up_cam")
-OUTPUTS = (
-    "p_above",
-    "entropy",
-    "expected_entropy",
-    "mutual_information",
-    "surprisal",
-    "elevation",
-    "obstacles",
-)
 CARD_KEY = "card"
 
 Map = NDArray[np.float32]
@@ -52,6 +43,10 @@ class Outputs:
     surprisal: Map
     elevation: Map
     obstacles: NDArray[np.bool_]
+
+
+OUTPUTS = tuple(part.name for part in fields(Outputs))
+"""In the order of the file."""
 
 
 class ObstacleModel:

@@ -71,8 +71,8 @@ class FilePredictor:
         sizes = ", ".join(f"{count} of {size}" for size, count in self.fitted.most_common(3))
         more = "" if len(self.fitted) <= 3 else ", and others"
         return (
-            f"images of another size than the model's {_size(self.model.camera)} were scaled to it, all of "
-            f"each: {sizes}{more}; of what it never saw at that scale the model can only guess"
+            f"images of another size than the model's {_size(self.model.camera)} were scaled whole to "
+            f"it: {sizes}{more}; of what it never saw at that scale the model can only guess"
         )
 
 

@@ -10,9 +10,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.sources.camera import Clock
-
-LONGEST_WAIT_S = 60.0
-"""A longer gap between two frames is a clock that was set, and is not waited for."""
+from horizon_dl.sources.pace import is_waited_for
 
 
 def replay(
@@ -40,7 +38,8 @@ def replay(
     times = np.array([header.time_s for header in recording.headers])
     gap_s = float(np.median(np.diff(times))) if len(times) > 1 else 0.1
     steps = np.diff(times, prepend=times[:1])
-    since_start_s = np.cumsum(np.where(steps <= LONGEST_WAIT_S, steps, gap_s)) / speed
+    waits = [step if is_waited_for(step) else gap_s for step in steps.tolist()]
+    since_start_s = np.cumsum(waits) / speed
     start_s = clock()
     while True:
         any_read = False

@@ -40,7 +40,7 @@ def training_evidence(net: HorizonFCN, views: Iterable[View], config: Config) ->
         simulated worlds `self_assessment` and `simulated_threshold` (bits, see `TaughtThreshold`); and the
         `deep_share` of the prediction.
     """
-    calibration, assessment = PlaceCalibration(config.evidence, config.contact), SelfAssessment()
+    calibration, assessment = PlaceCalibration(config.evidence, config.ranging_params), SelfAssessment()
     simulated, threshold = simulated_net(), TaughtThreshold()
     for view in views:
         p_above = EncodedImage(net, view.image).p_above()

@@ -39,6 +39,10 @@ class FrameStore:
         """The usable frames among `indices`, read one at a time; InputError as `usable`."""
         return self.usable((index, self.read(index)) for index in indices)
 
+    def views(self, indices: Iterable[int]) -> Iterator[View]:
+        """As `frames`, without the full-size images."""
+        return (view for _, view in self.frames(indices))
+
     def read(self, index: int) -> tuple[Frame, View] | FrameError:
         """One frame, or why it cannot be used."""
         try:
@@ -73,10 +77,6 @@ class FrameStore:
         self.skipped.update(state["skipped"])
         self._tried.update(state["tried"])
         self.learned.update(state["learned"])
-
-    def views(self, indices: Iterable[int]) -> Iterator[View]:
-        """The same, without the full-size frames."""
-        return (view for _, view in self.frames(indices))
 
     def _stop_if_too_many(self) -> None:
         if len(self._tried) >= LEAST_TRIED and len(self.skipped) > MOST_SKIPPED * len(self._tried):

@@ -9,7 +9,7 @@ from horizon_dl.runtime.model import Outputs
 from horizon_dl.runtime.perception import Perception
 from horizon_dl.runtime.predict import of_outputs
 from horizon_dl.runtime.ranged import CAR, DRONE, ranged
-from horizon_dl.visualization.newest_only import NewestFirst
+from horizon_dl.visualization.newest_only import NewestSlot
 from horizon_dl.visualization.sink import Sink
 
 Look = tuple[Frame, Outputs, FreeDistances, float, tuple[str, ...]]
@@ -24,7 +24,7 @@ class FlightView:
 
     def __init__(self, model: HotReloadedModel, perception: Perception, sink: Sink) -> None:
         self._model, self._perception, self._sink = model, perception, sink
-        self.slot: NewestFirst[Look] = NewestFirst(self._take)
+        self.slot: NewestSlot[Look] = NewestSlot(self._take)
 
     def look(self, frame: Frame, found: FreeDistances) -> None:
         """A frame, with the attitude it was looked at with, and the sectors that are sent."""

@@ -12,7 +12,7 @@ from horizon_dl.visualization.sink import Sink
 T = TypeVar("T")
 
 
-class NewestFirst(Generic[T]):
+class NewestSlot(Generic[T]):
     """A slot for one item and a thread that works on it; what is not taken in time is overwritten.
 
     Attributes:
@@ -59,11 +59,11 @@ class NewestFirst(Generic[T]):
 
 
 class NewestOnly:
-    """A sink that hands frames on to another by a thread; see `NewestFirst`."""
+    """A sink that hands frames on to another by a thread; see `NewestSlot`."""
 
     def __init__(self, sink: Sink) -> None:
         self._sink = sink
-        self.slot: NewestFirst[tuple[Frame, Prediction, Ranged | None]] = NewestFirst(self._take)
+        self.slot: NewestSlot[tuple[Frame, Prediction, Ranged | None]] = NewestSlot(self._take)
 
     def log(self, frame: Frame, prediction: Prediction, ranges: Ranged | None) -> None:
         """See `Sink`."""

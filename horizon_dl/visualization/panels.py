@@ -17,7 +17,7 @@ from horizon_dl.visualization.text import SOFT, paste, shorten, text_image
 
 Floats = NDArray[np.floating]
 
-FLOWN_TITLE = "surprise, the score that is flown"
+FLOWN_TITLE = "surprisal, the score that is flown"
 ENTROPY_TITLE = "entropy, the paper's score"
 OBSTACLES_TITLE = "entropy over the paper's threshold"
 

@@ -62,7 +62,7 @@ class Rerun:
             "entropy": (prediction.measures.entropy, "uncertainty"),
         }
         if prediction.has_attitude:
-            maps["surprise"] = (prediction.flown_score, "uncertainty")
+            maps["surprisal"] = (prediction.flown_score, "uncertainty")
         for path, (values, table) in maps.items():
             self._log(f"maps/{path}", rerun.Image(colour_map(values, table)).compress(jpeg_quality=80))
         if ranges is not None:
