@@ -307,6 +307,39 @@ def test_a_camera_without_an_autopilot_is_one_line(source, tmp_path, capsys):
     assert not (tmp_path / "run").exists()
 
 
+@pytest.mark.parametrize(
+    ("verb", "words"),
+    [
+        (["train", "camera:0"], "camera:0: is live"),
+        (["check-data", "rtsp://127.0.0.1/stream"], "rtsp://127.0.0.1/stream: is live"),
+        (
+            ["compare", "SET", "--attitude", "mavlink:udpout:127.0.0.1:9"],
+            "mavlink:udpout:127.0.0.1:9: is the",
+        ),
+    ],
+)
+def test_what_only_online_takes_is_one_line_elsewhere(verb, words, toy, tmp_path, capsys):
+    named = [str(toy) if word == "SET" else word for word in verb]
+    assert main([*named, "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert words in error
+    assert "online" in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("jump_s", [3600.0, -3600.0])
+def test_a_clock_that_was_set_is_not_waited_for(jump_s):
+    frame = Frame("a.png", 0.0, None, image=np.zeros((4, 4, 3), np.uint8), camera=CAMERA)
+    times = [0.0, 0.1, 0.1 + jump_s, 0.2 + jump_s]
+    items = list(enumerate(replace(frame, time_s=time_s) for time_s in times))
+    frames = PacedFrames(iter(items), 1.0)
+    found = [frames.take(5.0) for _ in items]
+    frames.stop()
+    came = [one[0] for one in found if one is not None]
+    np.testing.assert_allclose(np.diff(came), [0.1, 0.0, 0.1], atol=1e-6)
+
+
 def other_export(threshold: float, width: int = 96) -> bytes:
     """The small model with another threshold, or for another camera."""
     run = small_run()

@@ -3,7 +3,7 @@ import pytest
 
 from horizon_dl.data.view import View
 from horizon_dl.methods.baselines import geodesic_score
-from horizon_dl.methods.learners import ForestMethod, QuickForest
+from horizon_dl.methods.learners import ForestMethod
 from horizon_dl.methods.scores import fused_score, score_maps
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.targets import geodesic
@@ -79,7 +79,7 @@ def test_no_path_is_searched_twice_and_none_for_a_threshold(monkeypatch: pytest.
 
     monkeypatch.setattr(geodesic, "path_cost", counted)
     forest = ForestMethod(OneTree(p_above))
-    quick = QuickForest(forest).score_maps(None, view)
+    quick = forest.quick_maps(view)
     assert not searches
     full = forest.score_maps(None, view)
     assert (quick["entropy"] == full["entropy"]).all()

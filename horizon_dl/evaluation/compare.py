@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from horizon_dl.config import Config
-from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.evaluation.deal import Part, dealt
@@ -19,16 +18,14 @@ from horizon_dl.evaluation.scoring import (
     read_frames,
     watching,
 )
-from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.learners import (
-    ForestMethod,
     ForestStream,
     Method,
     NetMethod,
     NetStream,
-    QuickForest,
     StreamLearner,
     fit_forest,
+    forest_threshold,
 )
 from horizon_dl.methods.registry import FOREST, LEARNERS, NET
 from horizon_dl.methods.training_free import training_free_methods
@@ -44,7 +41,7 @@ from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.thresholds import paper_threshold_of
 from horizon_dl.training.train import evidence_of, train_net
 from horizon_dl.uncertainty.measures import P_ABOVE
-from horizon_dl.uncertainty.threshold import MOST_FRAMES, PaperThreshold, paper_threshold
+from horizon_dl.uncertainty.threshold import PaperThreshold
 from horizon_dl.workers import SERIAL, Workers, processes_beside
 
 T = TypeVar("T")
@@ -220,7 +217,7 @@ def _offline(task: _Task) -> Learned:
     if FOREST in learners:
         forest = fit_forest(store, split.train, seed, task.workers)
         train_s[FOREST] = time.perf_counter() - start
-        thresholds[FOREST] = _forest_threshold(forest, store, split.train, task.workers)
+        thresholds[FOREST] = forest_threshold(forest, store, split.train, task.workers)
         agreement = agreement_of(lambda view: forest.quick_maps(view)[P_ABOVE], store, split.train)
         methods[FOREST] = replace(forest, agreement=agreement)
     readings = read_frames(methods, store, split.test, task.workers)
@@ -232,18 +229,6 @@ def _offline(task: _Task) -> Learned:
     if net is not None:
         accumulators[NET].simulated_threshold = evidence["simulated_threshold"]
     return accumulators, net, evidence
-
-
-def _forest_threshold(
-    forest: ForestMethod, store: FrameStore, indices: Sequence[int], workers: Workers
-) -> float:
-    band_rad = store.config.labels.band_rad
-    readings = read_frames({FOREST: QuickForest(forest)}, store, evenly(indices, MOST_FRAMES), workers)
-    frames = (
-        (reading.maps[FOREST]["entropy"], labelled_pixels(reading.view.elevation, band_rad))
-        for reading in readings
-    )
-    return paper_threshold(frames, store.config.threshold.percentile)
 
 
 def _prequential(task: _Task) -> Learned:

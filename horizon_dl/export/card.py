@@ -17,6 +17,7 @@ from horizon_dl.provenance import versions
 from horizon_dl.runtime.model import camera_from_card
 from horizon_dl.training.evidence import place_of
 from horizon_dl.training.run_folder import Run, weights
+from horizon_dl.uncertainty.threshold import PaperThreshold
 
 KIND = "horizon-dl obstacle model"
 WHAT = (
@@ -129,7 +130,7 @@ def make_forest_card(
         "trained_camera": True,
         "weights_sha256": forest_hash(forest),
         "path_agreement": path_agreement,
-        **_common(config, recording.calibrated, threshold, f"percentile-{config.threshold.percentile:g}"),
+        **_common(config, recording.calibrated, threshold, PaperThreshold(config.threshold.percentile).rule),
     }
 
 

@@ -5,19 +5,16 @@ from collections.abc import Callable
 from typing import Any
 
 from horizon_dl.config import Config
-from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.export.card import make_forest_card
 from horizon_dl.export.export import Exported, exported, parity_frames
-from horizon_dl.export.parity import feed_of, predictor, sample_frames
-from horizon_dl.geometry.horizon import labelled_pixels
-from horizon_dl.methods.learners import fit_forest
-from horizon_dl.models.forest import HorizonForest
+from horizon_dl.export.parity import feed_of, sample_frames
+from horizon_dl.methods.learners import fit_forest, forest_threshold
 from horizon_dl.runtime.benchmark import quartiles, timed_in_turn
 from horizon_dl.runtime.model import camera_from_card, new_session
 from horizon_dl.training.context import agreement_of
 from horizon_dl.training.frame_store import FrameStore
-from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
+from horizon_dl.uncertainty.measures import P_ABOVE
 
 PARITY_FRAMES = 2
 RUNS = 10
@@ -33,22 +30,14 @@ def export_forest(recording: Recording, config: Config) -> Exported:
     store = FrameStore(recording, config)
     indices = range(recording.length)
     start = time.perf_counter()
-    forest = fit_forest(store, indices, config.seed).forest
+    method = fit_forest(store, indices, config.seed)
     train_s = time.perf_counter() - start
-    threshold = forest_threshold(forest, store)
-    say = predictor(forest)
-    agreement = agreement_of(lambda view: say(view).p_above, store, indices)
+    forest = method.forest
+    threshold = forest_threshold(method, store, indices)
+    agreement = agreement_of(lambda view: method.quick_maps(view)[P_ABOVE], store, indices)
     card = make_forest_card(forest, recording, config, threshold, train_s, agreement)
     frames = parity_frames(recording)[:PARITY_FRAMES]
     return exported(forest, config.image.max_pixels, threshold, card, frames)
-
-
-def forest_threshold(forest: HorizonForest, store: FrameStore) -> float:
-    """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
-    say = predictor(forest)
-    config, views = store.config, store.views(evenly(range(store.recording.length), MOST_FRAMES))
-    frames = ((say(view).entropy, labelled_pixels(view.elevation, config.labels.band_rad)) for view in views)
-    return paper_threshold(frames, config.threshold.percentile)
 
 
 def with_cost(forest: Exported, net: Exported) -> Exported:

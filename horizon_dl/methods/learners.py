@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.config import Config
+from horizon_dl.data.evenly import evenly
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import Recording
 from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
+from horizon_dl.geometry.horizon import labelled_pixels
 from horizon_dl.methods.scores import score_maps
 from horizon_dl.models.encoded import EncodedImage
 from horizon_dl.models.fcn import HorizonFCN
@@ -21,6 +23,7 @@ from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
 from horizon_dl.training.frame_store import FrameStore
 from horizon_dl.training.online.learner import OnlineLearner
 from horizon_dl.uncertainty.measures import P_ABOVE, binary_entropy, measures
+from horizon_dl.uncertainty.threshold import MOST_FRAMES, paper_threshold
 from horizon_dl.workers import SERIAL, Workers
 
 Map = NDArray[np.float32]
@@ -91,17 +94,6 @@ class ForestMethod:
         return {P_ABOVE: p_above, "entropy": binary_entropy(p_above)}
 
 
-@dataclass(frozen=True)
-class QuickForest:
-    """A fitted forest that is asked for `p_above` and `entropy` alone, as for its threshold."""
-
-    forest: ForestMethod
-
-    def score_maps(self, _: Frame, view: View) -> dict[str, Map]:
-        """See `ForestMethod.quick_maps`."""
-        return self.forest.quick_maps(view)
-
-
 def fit_forest(
     store: FrameStore, indices: Sequence[int], seed: int, workers: Workers = SERIAL
 ) -> ForestMethod:
@@ -112,6 +104,27 @@ def fit_forest(
     items = [(index, (seed, number)) for number, index in enumerate(indices)]
     drawn = list(store.usable(zip(indices, workers.map(_draw_entry, shared, items), strict=True)))
     return ForestMethod(next(workers.map(_fit_drawn, (drawn, config), [seed])), config.geodesic)
+
+
+def forest_threshold(
+    forest: ForestMethod, store: FrameStore, indices: Sequence[int], workers: Workers = SERIAL
+) -> float:
+    """The paper's threshold, bits: a percentile of the entropies of at most 50 training frames."""
+    chosen = evenly(indices, MOST_FRAMES)
+    shared = (store.recording, store.config, forest)
+    frames = store.usable(zip(chosen, workers.map(_entropy_entry, shared, chosen), strict=True))
+    return paper_threshold(frames, store.config.threshold.percentile)
+
+
+def _entropy_entry(
+    shared: tuple[Recording, Config, ForestMethod], index: int
+) -> tuple[Map, NDArray[np.bool_]] | FrameError:
+    recording, config, forest = shared
+    read = FrameStore(recording, config).read(index)
+    if isinstance(read, FrameError):
+        return read
+    view = read[1]
+    return forest.quick_maps(view)["entropy"], labelled_pixels(view.elevation, config.labels.band_rad)
 
 
 Drawn = tuple[NDArray[np.float32], NDArray[np.uint8]]

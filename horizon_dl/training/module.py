@@ -14,8 +14,9 @@ from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.training.averaging import averaged
 from horizon_dl.training.crops import Batch, draw_batch
 from horizon_dl.training.frame_store import FramePool
+from horizon_dl.training.learning_state import learning_tensors, restore_learning
 from horizon_dl.training.loss import horizon_loss
-from horizon_dl.training.resumable import RoundState, optimiser_state, optimiser_tensors
+from horizon_dl.training.resumable import RoundState
 from horizon_dl.training.several_processes import process_count, process_number
 
 
@@ -57,15 +58,11 @@ class HorizonModule(lightning.LightningModule):
 
     def snapshot(self) -> tuple[dict[str, Tensor], dict[str, Any]]:
         """Tensors and values to go on from after a step; tensors are shared, not copied."""
-        state = self.trainer.optimizers[0].state_dict()
+        optimiser = self.trainer.optimizers[0]
         schedule = self.trainer.lr_scheduler_configs[0].scheduler
-        tensors = {
-            **{f"net.{name}": tensor for name, tensor in self.net.state_dict().items()},
-            **{f"average.{name}": tensor for name, tensor in self.average.state_dict().items()},
-            **optimiser_tensors(state["state"]),
-            "dropout": torch.get_rng_state(),
-        }
-        return tensors, {"optimiser": state["param_groups"], "schedule": schedule.last_epoch}
+        tensors = learning_tensors(self.net, self.average, optimiser, torch.get_rng_state())
+        groups = optimiser.state_dict()["param_groups"]
+        return tensors, {"optimiser": groups, "schedule": schedule.last_epoch}
 
     def on_train_start(self) -> None:
         """Give every process dropout of its own, or go on where a training was stopped."""
@@ -74,14 +71,8 @@ class HorizonModule(lightning.LightningModule):
         if self._going_on is None:
             return
         state = self._going_on
-        self.net.load_state_dict(state.part("net."))
-        self.average.load_state_dict(state.part("average."))
-        self.trainer.optimizers[0].load_state_dict(
-            {
-                "state": optimiser_state(state.part("optimiser.")),
-                "param_groups": state.values["optimiser"],
-            }
-        )
+        optimiser = self.trainer.optimizers[0]
+        restore_learning(state.tensors, state.values["optimiser"], self.net, self.average, optimiser)
         schedule = self.trainer.lr_scheduler_configs[0].scheduler
         schedule.last_epoch = state.values["schedule"]
 

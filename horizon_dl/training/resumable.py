@@ -1,12 +1,11 @@
 """Offline training that can be stopped, or killed, at any step and goes on to the same weights."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import torch
 from torch import Tensor
 
 from horizon_dl.config import Config
@@ -39,14 +38,6 @@ class RoundState:
     step: int
     tensors: dict[str, Tensor] = field(default_factory=dict)
     values: dict[str, Any] = field(default_factory=dict)
-
-    def part(self, prefix: str) -> dict[str, Tensor]:
-        """Tensors whose names begin so, without it."""
-        return {
-            name.removeprefix(prefix): value
-            for name, value in self.tensors.items()
-            if name.startswith(prefix)
-        }
 
 
 class TrainingKeeper:
@@ -141,21 +132,3 @@ class TrainingKeeper:
             return RoundState(int(place["round"]), int(place["step"]), found.tensors, values)
         except (KeyError, TypeError, ValueError):
             raise InputError(path, "is of something else than `train`", ANEW) from None
-
-
-def optimiser_tensors(state: Mapping[int, Mapping[str, Any]]) -> dict[str, Tensor]:
-    """The state of an optimiser by name, for a file."""
-    return {
-        f"optimiser.{index}.{name}": torch.as_tensor(value)
-        for index, one in state.items()
-        for name, value in one.items()
-    }
-
-
-def optimiser_state(tensors: Mapping[str, Tensor]) -> dict[int, dict[str, Tensor]]:
-    """The opposite, of names without `optimiser.`."""
-    states: dict[int, dict[str, Tensor]] = {}
-    for key, tensor in tensors.items():
-        index, _, name = key.partition(".")
-        states.setdefault(int(index), {})[name] = tensor
-    return states

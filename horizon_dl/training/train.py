@@ -29,6 +29,7 @@ from horizon_dl.training.distributed import SyncBatchNorm
 from horizon_dl.training.evidence import EVIDENCE_FRAMES, training_evidence
 from horizon_dl.training.frame_store import FramePool, FrameStore
 from horizon_dl.training.half_resolution import Teacher, guide_of, half_resolution_frame
+from horizon_dl.training.learning_state import starting
 from horizon_dl.training.loggers import open_logger
 from horizon_dl.training.module import CropStream, HorizonModule
 from horizon_dl.training.resumable import RoundState, TrainingKeeper
@@ -185,7 +186,7 @@ def _between_rounds(number: int, net: HorizonFCN, rng: np.random.Generator, stor
 
 def _restore(found: RoundState, net: HorizonFCN, rng: np.random.Generator, store: FrameStore) -> None:
     """Net (within a later round: its guide), random numbers and skipped frames of a state."""
-    net.load_state_dict(found.part("guide.") or found.part("net."))
+    net.load_state_dict(starting(found.tensors, "guide.") or starting(found.tensors, "net."))
     rng.bit_generator.state = found.values["random"]
     torch.set_rng_state(found.tensors["dropout"])
     store.restore(found.values["frames"])

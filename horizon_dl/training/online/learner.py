@@ -9,7 +9,6 @@ from typing import Any, cast
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from horizon_dl.config import Config
 from horizon_dl.data.frame import Frame
@@ -30,6 +29,7 @@ from horizon_dl.training.half_resolution import (
     half_resolution_frame,
     half_resolution_target,
 )
+from horizon_dl.training.learning_state import learning_tensors, restore_learning
 from horizon_dl.training.loss import horizon_loss
 from horizon_dl.training.online.compression import CompressedFrame, unpack, unpack_elevation
 from horizon_dl.training.online.replay_buffer import ReplayBuffer
@@ -177,24 +177,14 @@ class OnlineLearner:
 
     def snapshot(self) -> Snapshot:
         """All that is needed to go on; tensors are shared, not copied."""
-        optimiser = self._optimiser.state_dict()
-        own = {
-            **{f"net.{name}": tensor for name, tensor in self._net.state_dict().items()},
-            **{f"average.{name}": tensor for name, tensor in self._average.state_dict().items()},
-            **{
-                f"optimiser.{index}.{name}": torch.as_tensor(value)
-                for index, state in optimiser["state"].items()
-                for name, value in state.items()
-            },
-            "dropout": self._dropout_state,
-        }
+        own = learning_tensors(self._net, self._average, self._optimiser, self._dropout_state)
         values = {
             "frames": self.frames,
             "dropped": self.dropped,
             "taken": self._taken,
             "random": self._rng.bit_generator.state,
             "agreements": self._agreement.state(),
-            "optimiser": optimiser["param_groups"],
+            "optimiser": self._optimiser.state_dict()["param_groups"],
         }
         return Snapshot.join({"learner": Snapshot(own, values), "memory": self.memory.snapshot()})
 
@@ -202,13 +192,8 @@ class OnlineLearner:
         """Go on from a snapshot of a learner with the same configuration."""
         own = snapshot.part("learner")
         self._seen = self._last = None
-        self._net.load_state_dict(_starting(own.tensors, "net."))
-        self._average.load_state_dict(_starting(own.tensors, "average."))
-        states: dict[int, dict[str, Tensor]] = {}
-        for key, tensor in _starting(own.tensors, "optimiser.").items():
-            index, _, name = key.partition(".")
-            states.setdefault(int(index), {})[name] = tensor
-        self._optimiser.load_state_dict({"state": states, "param_groups": own.values["optimiser"]})
+        groups = own.values["optimiser"]
+        restore_learning(own.tensors, groups, self._net, self._average, self._optimiser)
         self._dropout_state = own.tensors["dropout"]
         self._rng.bit_generator.state = own.values["random"]
         self.frames, self.dropped, self._taken = (own.values[name] for name in ("frames", "dropped", "taken"))
@@ -293,7 +278,3 @@ def mean_loss(losses: list[float]) -> float:
     """Mean of the finite ones, NaN if there is none."""
     finite = [loss for loss in losses if math.isfinite(loss)]
     return sum(finite) / len(finite) if finite else math.nan
-
-
-def _starting(tensors: dict[str, Tensor], prefix: str) -> dict[str, Any]:
-    return {name.removeprefix(prefix): tensor for name, tensor in tensors.items() if name.startswith(prefix)}
