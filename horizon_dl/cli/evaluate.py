@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from horizon_dl.cli.data_options import add_data, open_data
-from horizon_dl.cli.options import add_out, add_scheduler, add_vehicle_height, is_model_file, say_skipped
+from horizon_dl.cli.options import add_out, add_scheduler, add_vehicle_height, say_skipped
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,6 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Evaluate, write the figures, and print their table."""
+    from horizon_dl.methods.open_predictor import is_model_file
+
     if not is_model_file(arguments.run_folder):
         from horizon_dl.training.run_files import check_run_folder
 

@@ -143,11 +143,6 @@ def resolve_config(arguments: argparse.Namespace) -> "Config":
     return config
 
 
-def is_model_file(path: Path) -> bool:
-    """Whether a MODEL is an exported file and no run folder."""
-    return path.suffix == ".onnx" or path.is_file()
-
-
 def positive_int(text: str) -> int:
     """For argparse: a whole number of at least 1."""
     value = int(text)

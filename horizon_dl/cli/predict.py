@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from horizon_dl.cli.data_options import add_data, given
-from horizon_dl.cli.options import add_out, add_vehicle_height, is_model_file, positive_int, say_skipped
+from horizon_dl.cli.options import add_out, add_vehicle_height, positive_int, say_skipped
 
 if TYPE_CHECKING:
     from horizon_dl.data.source import FrameSource
@@ -45,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Predict frame by frame and write as it goes."""
     from horizon_dl.errors import InputError
+    from horizon_dl.methods.open_predictor import is_model_file, open_predictor
     from horizon_dl.output.files import check_file
     from horizon_dl.training.run_files import check_run_folder
 
@@ -53,7 +54,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if not is_model_file(arguments.model):
         check_run_folder(arguments.model)
 
-    from horizon_dl.methods.open_predictor import open_predictor
     from horizon_dl.output import output_folder, write_bytes
     from horizon_dl.reporting.outputs import NO_FILM, can_film
     from horizon_dl.reporting.run_page import FILM

@@ -16,7 +16,7 @@ def open_predictor(path: Path) -> Predictor:
         >>> open_predictor(Path("model.onnx")).predict(frame)   # doctest: +SKIP
     """
     check_there(path)
-    if path.suffix == ".onnx" or path.is_file():
+    if is_model_file(path):
         from horizon_dl.runtime.model import ObstacleModel
         from horizon_dl.runtime.predict import FilePredictor
 
@@ -24,3 +24,8 @@ def open_predictor(path: Path) -> Predictor:
     from horizon_dl.training.predict import load_run_predictor
 
     return load_run_predictor(path)
+
+
+def is_model_file(path: Path) -> bool:
+    """Whether a MODEL is an exported file and no run folder."""
+    return path.suffix == ".onnx" or path.is_file()

@@ -17,7 +17,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.errors import FrameError
 from horizon_dl.evidence.plausible import HeightWatch
 from horizon_dl.evidence.reason import Reason
-from horizon_dl.geometry.attitude import rotation_from_quaternion, rpy_from_rotation, up_in_camera
+from horizon_dl.geometry.attitude import up_in_camera, yaw_of
 from horizon_dl.ranging.sectors import FreeDistances
 from horizon_dl.runtime.latency import Latencies
 from horizon_dl.runtime.perception import Perception
@@ -217,7 +217,7 @@ class FlightLoop:
         attitude = self.autopilot.attitude_at(frame.time_s, self._stop)
         if attitude is None:
             return None
-        yaw_rad = rpy_from_rotation(rotation_from_quaternion(attitude))[2]
+        yaw_rad = yaw_of(attitude)
         height_m = self.autopilot.buffer.height_at(frame.time_s) if fixed_m is None else fixed_m
         return up_in_camera(attitude, self._settings.mount_rpy_rad), yaw_rad, height_m
 

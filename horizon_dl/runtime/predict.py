@@ -12,9 +12,10 @@ from horizon_dl.data.frame import Frame, checked, has_attitude
 from horizon_dl.data.source import FrameSource
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
+from horizon_dl.evidence.judge import working_image
 from horizon_dl.evidence.self_assessment import said
 from horizon_dl.geometry.camera import Camera
-from horizon_dl.geometry.resize import area_resize, nearest
+from horizon_dl.geometry.resize import nearest
 from horizon_dl.runtime.fit_picture import FittedPicture, fit_picture
 from horizon_dl.runtime.model import ObstacleModel, Outputs
 from horizon_dl.runtime.perception import model_rays
@@ -95,9 +96,7 @@ def _scales_to(camera: Camera, wanted: Camera) -> bool:
 
 def of_outputs(frame: Frame, found: Outputs, threshold: float, directions: NDArray[np.float32]) -> Prediction:
     """A model file's outputs as a prediction; the obstacle map is the file's own."""
-    height, width = found.entropy.shape
-    same = frame.image.shape[:2] == (height, width)
-    view = View(frame.image if same else area_resize(frame.image, (width, height)), found.elevation)
+    view = View(working_image(frame.image, found.entropy.shape), found.elevation)
     return Prediction(view, measures_of(found), threshold, small_obstacles(found), directions)
 
 

@@ -1,4 +1,8 @@
-"""Camera axes in the renderer's world from the drone's attitude."""
+"""Camera axes in the renderer's world from the drone's attitude.
+
+Nothing of `geometry` is used: what the readers make of a simulated set is tested against what wrote it, and
+the two must not share a mistake.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
