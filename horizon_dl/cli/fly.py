@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from horizon_dl.data.frame import Frame
     from horizon_dl.data.source import FrameSource
     from horizon_dl.errors import FrameError
-    from horizon_dl.runtime.flight_loop import FlightSettings
+    from horizon_dl.runtime.flight_loop import FlightLoop, FlightSettings
+    from horizon_dl.runtime.hot_reload import HotReloadedModel
     from horizon_dl.vehicle.flight_params import FlightParams
 
 AUTOPILOT, RECORDED = "autopilot", "recorded"
@@ -103,21 +104,53 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> dict[str, Any]:
     """Fly until the source ends, the time is over, Ctrl-C or SIGTERM; then print the figures."""
-    import signal
     import time
-    from dataclasses import replace
 
     from horizon_dl.cli.flight_views import open_view
-    from horizon_dl.errors import InputError
     from horizon_dl.evidence.self_assessment import said
     from horizon_dl.output import write_json
-    from horizon_dl.runtime.acceptance import not_airworthy
     from horizon_dl.runtime.flight_loop import FlightLoop
-    from horizon_dl.runtime.hot_reload import HotReloadedModel
     from horizon_dl.runtime.perception import Perception
+    from horizon_dl.vehicle.mavlink import WARNING, open_link
+
+    source, settings, model = _checked(arguments)
+    params = settings.params
+    frames = arguments.filter or (1 if settings.recorded_attitude else params.filter_frames)
+    perception = Perception.of(model, settings.mount_rpy_rad, frames, params)
+    perception.vehicle = arguments.vehicle_height
+    link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
+    flight = FlightLoop(perception, link, settings, time.monotonic)
+    doubt = said(model.current.card.get("self_assessment"))
+    if doubt is not None:
+        print(f"the net says of itself: {doubt}", flush=True)
+        link.send_text(f"Obstacles: net {doubt.partition(':')[0]}"[:50], WARNING)
+    view = open_view(arguments, source, flight, model, perception)
+    try:
+        _fly(flight, arguments, source)
+    finally:
+        link.close()
+    figures = {**flight.summary(), "model": model.summary()}
+    if arguments.record:
+        write_json(arguments.record / "flight.json", figures)
+    if view is not None:
+        view.close()
+    if arguments.out:
+        write_json(arguments.out, figures)
+    _say(figures)
+    if arguments.record:
+        print(f"look at {arguments.record / 'index.html'}")
+    return figures
+
+
+def _checked(arguments: argparse.Namespace) -> tuple["FrameSource", "FlightSettings", "HotReloadedModel"]:
+    """Where frames come from, the flight's settings, and the model: all that can be wrong before take-off."""
+    from dataclasses import replace
+
+    from horizon_dl.errors import InputError
+    from horizon_dl.runtime.acceptance import not_airworthy
+    from horizon_dl.runtime.hot_reload import HotReloadedModel
     from horizon_dl.runtime.predict import check_camera
     from horizon_dl.runtime.signature import read_verifier
-    from horizon_dl.vehicle.mavlink import WARNING, open_link
 
     if arguments.out is not None and arguments.out.is_dir():
         raise InputError(f"--out {arguments.out}", "is a folder", "name a file, such as flight.json")
@@ -133,18 +166,13 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         raise InputError(arguments.model, problem, "train longer and export again")
     if source.camera is not None:
         check_camera(model.current, source.camera, arguments.camera or source.name)
-    params = settings.params
-    frames = arguments.filter or (1 if settings.recorded_attitude else params.filter_frames)
-    perception = Perception.of(model, settings.mount_rpy_rad, frames, params)
-    perception.vehicle = arguments.vehicle_height
-    link = open_link(arguments.mavlink, arguments.system, arguments.signing_key)
-    flight = FlightLoop(perception, link, settings, time.monotonic)
-    doubt = said(model.current.card.get("self_assessment"))
-    if doubt is not None:
-        print(f"the net says of itself: {doubt}", flush=True)
-        link.send_text(f"Obstacles: net {doubt.partition(':')[0]}"[:50], WARNING)
-    view = open_view(arguments, source, flight, model, perception)
-    # A service is stopped by SIGTERM: the autopilot has to be told then, too.
+    return source, settings, model
+
+
+def _fly(flight: "FlightLoop", arguments: argparse.Namespace, source: "FrameSource") -> None:
+    """Fly to the end; a service is stopped by SIGTERM, and the autopilot has to be told then, too."""
+    import signal
+
     before = signal.signal(signal.SIGTERM, lambda *_: flight.stop())
     try:
         flight.run(_frames(arguments, source), arguments.duration, source.stop)
@@ -152,18 +180,6 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         pass  # the ordinary end of a flight
     finally:
         signal.signal(signal.SIGTERM, before)
-        link.close()
-    figures = {**flight.summary(), "model": model.summary()}
-    if arguments.record:
-        write_json(arguments.record / "flight.json", figures)
-    if view is not None:
-        view.close()
-    if arguments.out:
-        write_json(arguments.out, figures)
-    _say(figures)
-    if arguments.record:
-        print(f"look at {arguments.record / 'index.html'}")
-    return figures
 
 
 def flight_params(own: "FlightParams", overrides: "Sequence[str]") -> "FlightParams":

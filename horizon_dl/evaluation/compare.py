@@ -30,7 +30,7 @@ from horizon_dl.methods.learners import (
 from horizon_dl.methods.registry import FOREST, LEARNERS, NET
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
-from horizon_dl.metrics.metrics import SCHEMA, method_metrics
+from horizon_dl.metrics.metrics import metrics_file
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.models.fcn import HorizonFCN
 from horizon_dl.progress import show_progress
@@ -146,20 +146,12 @@ def compare(
     accumulators = {name: [found[name, seed] for seed in seeds] for name in LEARNERS}
     accumulators |= {name: [accumulator] for name, accumulator in baselines.items()}
     rule = PaperThreshold(config.threshold.percentile).rule
-    methods = {name: method_metrics(one, rule) for name, one in accumulators.items()}
     assert net is not None  # the first seed is of all learners
     evidence = evidence or evidence_of(net, store, split.train)
+    frames = {"train": len(split.train), "test": len(split.test), "skipped": len(store.skipped)}
+    metrics = metrics_file(recording.name, protocol, seeds, frames, accumulators, rule, ranging)
     told = ("self_assessment",) if protocol == "prequential" else TOLD
-    methods[NET] |= {key: evidence[key] for key in told}
-    metrics = {
-        "schema": SCHEMA,
-        "data": recording.name,
-        "protocol": protocol,
-        "seeds": list(seeds),
-        "frames": {"train": len(split.train), "test": len(split.test), "skipped": len(store.skipped)},
-        "methods": methods,
-        "ranging": ranging.compute(),
-    }
+    metrics["methods"][NET] |= {key: evidence[key] for key in told}
     return Comparison(metrics, accumulators, store.skipped, net)
 
 

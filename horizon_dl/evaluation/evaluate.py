@@ -17,7 +17,7 @@ from horizon_dl.methods.learners import Method, NetMethod
 from horizon_dl.methods.onnx_file import FileMethod, FileRun
 from horizon_dl.methods.registry import NET
 from horizon_dl.methods.training_free import training_free_methods
-from horizon_dl.metrics.metrics import SCHEMA, method_metrics
+from horizon_dl.metrics.metrics import metrics_file
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.progress import show_progress
 from horizon_dl.ranging.vehicle_height import VehicleHeight
@@ -65,21 +65,10 @@ def evaluate(
     if isinstance(run, Run):
         found[learner].simulated_threshold = run.info.get("simulated_threshold")
     accumulators = {name: [accumulator] for name, accumulator in found.items()}
-    rule = run.info["threshold_rule"]
-    metrics = {
-        "schema": SCHEMA,
-        "data": recording.name,
-        "protocol": "evaluate",
-        "seeds": [run.config.seed],
-        "frames": {
-            "train": run.info.get("frames", 0),
-            "test": len(labelled),
-            "skipped": len(store.skipped),
-        },
-        "trained_on": run.info.get("data"),
-        "methods": {name: method_metrics(one, rule) for name, one in accumulators.items()},
-        "ranging": ranging.compute(),
-    }
+    rule, seeds = run.info["threshold_rule"], [run.config.seed]
+    frames = {"train": run.info.get("frames", 0), "test": len(labelled), "skipped": len(store.skipped)}
+    metrics = metrics_file(recording.name, "evaluate", seeds, frames, accumulators, rule, ranging)
+    metrics["trained_on"] = run.info.get("data")
     return Comparison(metrics, accumulators, store.skipped)
 
 

@@ -5,6 +5,7 @@ from statistics import fmean, stdev
 from typing import Any, cast
 
 from horizon_dl.metrics.method_accumulator import MethodAccumulator, MethodFigures
+from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.metrics.roc import RocResult
 from horizon_dl.uncertainty.taught_threshold import RULE
 
@@ -18,6 +19,37 @@ def mean_and_spread(name: str, values: Sequence[float | None]) -> dict[str, floa
     if not known:
         return {name: None, f"{name}_sd": None}
     return {name: fmean(known), f"{name}_sd": stdev(known) if len(known) > 1 else 0.0}
+
+
+def metrics_file(
+    data: str,
+    protocol: str,
+    seeds: Sequence[int],
+    frames: Mapping[str, int],
+    accumulators: Mapping[str, Sequence[MethodAccumulator]],
+    rule: str,
+    ranging: RangingBlock,
+) -> dict[str, Any]:
+    """The content of `metrics.json`.
+
+    Args:
+        data: name of the recording.
+        protocol: `tail`, `labelled-out`, `prequential` or `evaluate`.
+        seeds: of the learners.
+        frames: how many were to `train`, to `test`, and `skipped`.
+        accumulators: by method, one a seed.
+        rule: name of the thresholds' rule.
+        ranging: the distances of one learner.
+    """
+    return {
+        "schema": SCHEMA,
+        "data": data,
+        "protocol": protocol,
+        "seeds": list(seeds),
+        "frames": dict(frames),
+        "methods": {name: method_metrics(found, rule) for name, found in accumulators.items()},
+        "ranging": ranging.compute(),
+    }
 
 
 def method_metrics(accumulators: Sequence[MethodAccumulator], rule: str) -> dict[str, Any]:

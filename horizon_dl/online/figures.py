@@ -16,7 +16,7 @@ from horizon_dl.methods.registry import NET
 from horizon_dl.methods.scores import score_maps
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metric_snapshot import metric_snapshot, restore_metric
-from horizon_dl.metrics.metrics import SCHEMA, method_metrics
+from horizon_dl.metrics.metrics import metrics_file
 from horizon_dl.metrics.ranging_block import RangingBlock
 from horizon_dl.metrics.roc import RocAccumulator, RocResult
 from horizon_dl.metrics.running import RunningSides
@@ -119,15 +119,8 @@ class OnlineFigures:
             "test": self.validation.tested,
             "skipped": self.seen - self.learned,
         }
-        return {
-            "schema": SCHEMA,
-            "data": data,
-            "protocol": "prequential",
-            "seeds": [self._config.seed],
-            "frames": frames,
-            "methods": {NET: method_metrics([self.accumulator], self.validation.thresholds[NET].rule)},
-            "ranging": self.ranging.compute(),
-        }
+        found, rule = {NET: [self.accumulator]}, self.validation.thresholds[NET].rule
+        return metrics_file(data, "prequential", [self._config.seed], frames, found, rule, self.ranging)
 
     def snapshot(self) -> Snapshot:
         """All figures so far."""
