@@ -14,10 +14,10 @@ from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
 from horizon_dl.evidence.place import Place
 from horizon_dl.methods.registry import NET
-from horizon_dl.methods.scores import fused_score
+from horizon_dl.methods.scores import score_maps
 from horizon_dl.runtime.model import ObstacleModel
+from horizon_dl.runtime.predict import measures_of
 from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
-from horizon_dl.uncertainty.measures import P_ABOVE, p_other_side
 
 AGREEMENT = TypeAdapter[float | None](
     Annotated[float, Field(ge=-1.0, le=1.0, allow_inf_nan=False, strict=True)] | None
@@ -35,14 +35,7 @@ class FileMethod:
     def score_maps(self, frame: Frame, view: View) -> dict[str, NDArray[np.float32]]:
         """All scores; the file resizes the frame's image itself."""
         found = self.model.predict(frame.image, frame.up_cam)
-        return {
-            P_ABOVE: found.p_above,
-            "entropy": found.entropy,
-            "expected_entropy": found.expected_entropy,
-            "mutual_information": found.mutual_information,
-            "surprisal": p_other_side(found.p_above, found.elevation > 0),
-            "fused": fused_score(view, found.p_above, self.paths, self.agreement),
-        }
+        return score_maps(view, measures_of(found), paths=self.paths, agreement=self.agreement)
 
 
 @dataclass(frozen=True)

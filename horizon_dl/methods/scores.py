@@ -16,6 +16,16 @@ from horizon_dl.uncertainty.measures import P_ABOVE, Measures, binary_entropy, l
 
 Map = NDArray[np.float32]
 
+SCORES = (
+    "entropy",
+    "expected_entropy",
+    "mutual_information",
+    "surprisal",
+    "fused",
+    "single_pass_entropy",
+)
+"""All of a learner; the last of those that have a pass without dropout."""
+
 # Both weights were picked on arena, corridor, hallway, KITTI and embedded: expect less elsewhere.
 FRAME_WEIGHT = 0.5
 PRIOR_WEIGHT = 0.5

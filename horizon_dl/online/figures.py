@@ -13,7 +13,7 @@ from horizon_dl.data.view import View
 from horizon_dl.evaluation.progressive import ProgressiveValidation
 from horizon_dl.evaluation.scoring import count_distances
 from horizon_dl.methods.registry import NET
-from horizon_dl.methods.scores import score_maps
+from horizon_dl.methods.scores import SCORES, score_maps
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metric_snapshot import metric_snapshot, restore_metric
 from horizon_dl.metrics.metrics import metrics_file
@@ -24,15 +24,6 @@ from horizon_dl.training.checkpoint import Snapshot
 from horizon_dl.uncertainty.measures import P_ABOVE, Measures
 
 Map = NDArray[np.float32]
-
-SCORES = (
-    "entropy",
-    "expected_entropy",
-    "mutual_information",
-    "surprisal",
-    "fused",
-    "single_pass_entropy",
-)
 
 
 class OnlineFigures:
