@@ -34,7 +34,7 @@ def add_given(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--attitude",
         metavar="FROM",
-        help="a log's file, constant:ROLL,PITCH in degrees, from-images, or (`online`, a camera) mavlink:URL",
+        help="a log's file, constant:ROLL,PITCH in degrees, from-images, or, of a camera, mavlink:URL",
     )
     parser.add_argument(
         "--time-offset",

@@ -51,7 +51,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--mavlink",
         required=True,
         metavar="URL",
-        help="udpout:HOST:PORT, udpin:HOST:PORT or serial:DEVICE:BAUD",
+        help="udpout:HOST:PORT, udpin:HOST:PORT or serial:DEVICE:BAUD; where a recording has an attitude "
+        "too, `--attitude recorded` (default) or `--attitude autopilot` says which counts",
     )
     add_given(parser)
     parser.add_argument(
@@ -202,9 +203,14 @@ def flight_params(own: "FlightParams", overrides: "Sequence[str]") -> "FlightPar
 def _source(arguments: argparse.Namespace) -> "FrameSource":
     from dataclasses import replace
 
-    from horizon_dl.sources.open_source import open_source
+    from horizon_dl.errors import InputError
+    from horizon_dl.sources.open_source import MAVLINK, open_source
 
     beside = given(arguments, needs_attitude=False)
+    if arguments.attitude is not None and arguments.attitude.startswith(MAVLINK):
+        raise InputError(
+            f"--attitude {arguments.attitude}", "has no meaning here", "--mavlink has it already"
+        )
     if arguments.attitude in (AUTOPILOT, RECORDED):
         beside = replace(beside, attitude=None)
     return open_source(arguments.source, arguments.format, beside, delay_s=arguments.camera_delay)

@@ -36,9 +36,6 @@ if TYPE_CHECKING:
     from horizon_dl.online.run import OnlineRun
 
 
-MAVLINK = "mavlink:"
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of the verb."""
     add_data(parser)
@@ -120,37 +117,25 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _source(arguments: argparse.Namespace) -> "FrameSource":
     from horizon_dl.errors import InputError
-    from horizon_dl.sources.camera import CameraSource
-    from horizon_dl.sources.open_source import open_source
-    from horizon_dl.sources.with_autopilot import WithAutopilot
+    from horizon_dl.sources.open_source import MAVLINK, open_source
     from horizon_dl.vehicle.mavlink import open_link
-
-    url = _autopilot(arguments)
-    if url is None and (arguments.camera_delay or arguments.system != 1 or arguments.signing_key):
-        options = "--camera-delay, --system or --signing-key"
-        raise InputError(options, "has no meaning without an autopilot", "give --attitude mavlink:URL")
-    check_autopilot(arguments)
-    beside = given(arguments, needs_attitude=url is None)
-    source = open_source(arguments.data, arguments.format, beside, delay_s=arguments.camera_delay)
-    if url is None:
-        return source
-    if not isinstance(source, CameraSource):
-        raise InputError(f"mavlink:{url}", "is the attitude of a camera alone", "give a recording's own log")
-    if source.camera is None:
-        raise InputError("--camera", "is missing", "name the calibration that holds the mount")
-    return WithAutopilot(source, lambda: open_link(url, arguments.system, arguments.signing_key))
-
-
-def _autopilot(arguments: argparse.Namespace) -> str | None:
-    """The autopilot's address; it is taken out of --attitude, which else names a log."""
-    from horizon_dl.errors import InputError
 
     if arguments.mavlink and arguments.attitude:
         raise InputError("--attitude", "has no meaning with --mavlink", "leave one of them out")
-    if arguments.attitude and arguments.attitude.startswith(MAVLINK):
-        arguments.mavlink, arguments.attitude = arguments.attitude.removeprefix(MAVLINK), None
-    url: str | None = arguments.mavlink
-    return url
+    if arguments.mavlink:
+        arguments.attitude = MAVLINK + arguments.mavlink
+    autopilot = arguments.attitude is not None and arguments.attitude.startswith(MAVLINK)
+    if not autopilot and (arguments.camera_delay or arguments.system != 1 or arguments.signing_key):
+        options = "--camera-delay, --system or --signing-key"
+        raise InputError(options, "has no meaning without an autopilot", "give --attitude mavlink:URL")
+    check_autopilot(arguments)
+    return open_source(
+        arguments.data,
+        arguments.format,
+        given(arguments),
+        delay_s=arguments.camera_delay,
+        link=lambda url: open_link(url, arguments.system, arguments.signing_key),
+    )
 
 
 def _say(arguments: argparse.Namespace, online: "OnlineRun", more: dict[str, Any]) -> None:

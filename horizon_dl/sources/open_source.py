@@ -1,5 +1,6 @@
 """One door for everything that frames come from: recordings of every format, cameras, streams."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 from horizon_dl.calibration.calibration import read_calibration
@@ -11,10 +12,20 @@ from horizon_dl.logs.attitude_logs.registry import read_attitude
 from horizon_dl.logs.clock.align import on_found_clock
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.sources.camera import CameraSource, is_live
+from horizon_dl.sources.with_autopilot import WithAutopilot
+from horizon_dl.vehicle.mavlink import Link, open_link
+
+MAVLINK = "mavlink:"
+"""Before the address of an autopilot, as an attitude."""
 
 
 def open_source(
-    where: str | Path, format: str | None = None, given: Given = NOTHING_GIVEN, *, delay_s: float = 0.0
+    where: str | Path,
+    format: str | None = None,
+    given: Given = NOTHING_GIVEN,
+    *,
+    delay_s: float = 0.0,
+    link: Callable[[str], Link] = open_link,
 ) -> FrameSource:
     """The frames of a file, a folder, a camera (`camera:0`) or a stream's address.
 
@@ -23,6 +34,7 @@ def open_source(
         format: name of the reader; None: recognised by content.
         given: what the data lacks.
         delay_s: of a camera, from exposure to arrival.
+        link: opens the line to an autopilot, whose address is the attitude `mavlink:URL` of a camera.
 
     Raises:
         InputError: there is nothing, or nothing that can be read; the error says how to give what lacks.
@@ -37,6 +49,11 @@ def open_source(
         problem = "has no attitude: nothing says where the horizon lies"
         raise InputError(where, problem, "give --attitude mavlink:URL, or constant:ROLL,PITCH in degrees")
     calibration = None if given.camera is None else read_calibration(given.camera, imu_axes=given.imu_axes)
+    if given.attitude is not None and given.attitude.startswith(MAVLINK):
+        if calibration is None:
+            raise InputError("--camera", "is missing", "name the calibration that holds the mount")
+        url = given.attitude.removeprefix(MAVLINK)
+        return WithAutopilot(CameraSource(str(where), calibration, delay_s=delay_s), lambda: link(url))
     attitude = None if given.attitude is None else read_attitude(given.attitude)
     if isinstance(attitude, AttitudeLog):
         raise InputError(f"--attitude {given.attitude}", "is the log of a recording", "give mavlink:URL")

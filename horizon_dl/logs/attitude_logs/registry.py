@@ -61,7 +61,7 @@ def read_attitude(given: str, units: Given = NOTHING_GIVEN) -> AttitudeLog | Con
     """
     kind, _, rest = given.partition(":")
     if kind == "mavlink":
-        raise InputError(given, "is the attitude of a camera that `online` sees", "give a log's file")
+        raise InputError(given, "is the attitude of a camera alone", "give a recording's own log")
     return _constant(rest) if kind == "constant" else read_attitude_log(Path(given), units)
 
 
