@@ -90,14 +90,6 @@ def test_one_bad_frame_is_refused_and_no_other(changes, reason):
     assert set(others) <= {None}
 
 
-def test_a_late_attitude_is_refused():
-    guard = StreamGuard()
-    assert guard.check(frame_at(0, 0.0), attitude_age_s=0.02) is None
-    assert guard.check(frame_at(1, 0.0), attitude_age_s=0.3) is Distrust.LATE
-    assert guard.check(frame_at(2, 0.0), attitude_age_s=-0.3) is Distrust.LATE
-    assert guard.check(frame_at(3, 0.0), attitude_age_s=math.nan) is Distrust.LATE
-
-
 def test_a_clock_that_was_set_back_is_believed_from_then_on():
     frames = [
         replace(frame, time_s=frame.time_s - (100 if i >= 6 else 0)) for i, frame in enumerate(swaying())

@@ -24,7 +24,6 @@ class EvidenceLimits:
         frozen_turn_rad: a picture that stays although the camera turned by this much is frozen.
         compared_turn_rad: a smaller turn is hardly seen in a sketch.
         memory_s: for so long a picture is compared with an earlier one.
-        late_s: an attitude that is older than this belongs to another picture; not picked on data.
         band_rad: around the horizon, where no side is asked for.
         least_sky: share of the pixels on each side of the horizon that a horizon needs to be judged by.
         least_horizon_accuracy: balanced accuracy of the known side; one that says the same everywhere has
@@ -54,7 +53,6 @@ class EvidenceLimits:
     frozen_turn_rad: float = angle_deg(0.3, 0.01, 30.0)
     compared_turn_rad: float = angle_deg(4.0, 0.1, 90.0)
     memory_s: float = setting(0.5, 0.0, 10.0)
-    late_s: float = setting(0.1, 0.0, 2.0)
     band_rad: float = angle_deg(3.0, 0.0, 30.0)
     least_sky: float = setting(0.02, 0.0, 0.5)
     least_horizon_accuracy: float = setting(0.65, 0.5, 1.0)

@@ -23,7 +23,6 @@ class Distrust(StrEnum):
     UNREADABLE = "unreadable"
     SIZE = "resolution changed"
     NO_ATTITUDE = "no attitude"
-    LATE = "attitude late"
     CLOCK = "clock not advancing"
     DARK = Reason.DARK.value
     BRIGHT = Reason.BRIGHT.value
@@ -49,16 +48,15 @@ class StreamGuard:
     def __init__(self, limits: EvidenceLimits = LIMITS) -> None:
         self._limits, self._motion = limits, MotionWatch(limits)
 
-    def check(self, frame: Frame, attitude_age_s: float = 0.0) -> Distrust | None:
+    def check(self, frame: Frame) -> Distrust | None:
         """Why not to learn from the next frame; None: it can be trusted.
 
         Args:
             frame: with `up_cam` None or NaN where the attitude is not known.
-            attitude_age_s: time of the frame less time of its attitude.
         """
         up_cam = None if not has_attitude(frame) else np.asarray(frame.up_cam, np.float64)
         seen = Seen(frame.time_s, sketch_of(frame.image), up_cam)
-        found = self._problem(frame, seen, attitude_age_s)
+        found = self._problem(frame, seen)
         if found is not Distrust.SIZE and math.isfinite(seen.time_s):
             self._motion.remember(seen, believed=found is None, frozen=found is Distrust.FROZEN)
         if found is Distrust.CLOCK:  # a clock that was set anew has to be believed from now on
@@ -87,7 +85,7 @@ class StreamGuard:
         self._motion.before, self._motion.believed = found.get("before"), found.get("believed")
         self._motion.still_up = _array(snapshot.values["still_up"])
 
-    def _problem(self, frame: Frame, seen: Seen, attitude_age_s: float) -> Distrust | None:
+    def _problem(self, frame: Frame, seen: Seen) -> Distrust | None:
         before = self._motion.before
         if not fits_camera(frame):
             return Distrust.SIZE
@@ -95,8 +93,6 @@ class StreamGuard:
             return Distrust.CLOCK
         if seen.up_cam is None or frame.camera is None:
             return Distrust.NO_ATTITUDE
-        if not abs(attitude_age_s) <= self._limits.late_s:
-            return Distrust.LATE
         reason = exposure_problem(seen.sketch, self._limits) or self._motion.problem(frame.calibrated, seen)
         return None if reason is None else Distrust(reason.value)
 
