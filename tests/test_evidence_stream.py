@@ -178,6 +178,21 @@ def test_a_height_that_jumps_is_believed_only_when_it_stays() -> None:
     assert jumped[-1]
 
 
+@pytest.mark.parametrize("height_m", [4.0, 8.0, 15.0, 40.0])
+def test_a_jump_is_doubted_for_a_second_however_far_one_could_have_climbed_meanwhile(height_m: float) -> None:
+    watch = HeightWatch()
+    assert watch.good(0.0, 1.0)
+    assert [watch.good(0.1 + 0.1 * step, height_m) for step in range(10)] == [False] * 10
+    assert watch.good(1.15, height_m)
+
+
+def test_heights_that_leap_to_and_fro_are_never_believed() -> None:
+    watch = HeightWatch()
+    assert watch.good(0.0, 1.0)
+    assert not any(watch.good(0.1 * step, 8.0 if step % 2 else 20.0) for step in range(1, 60))
+    assert watch.good(6.1, 1.1)
+
+
 def test_a_climb_and_a_table_are_no_jumps() -> None:
     watch = HeightWatch()
     assert all(watch.good(0.1 * step, 1.0 + 0.5 * step) for step in range(100))

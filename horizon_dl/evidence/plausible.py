@@ -10,11 +10,15 @@ SLACK_M = 0.5
 BELIEVED_AFTER_S = 1.0
 """A jump that stays for so long was a true one: the sensor had been lost meanwhile."""
 FORGOTTEN_S = 2.0
+"""After so long without any height that can be, the next one is believed."""
 
 
 @dataclass
 class HeightWatch:
     """Believes heights over the floor that can be and that do not jump.
+
+    A height that could have been climbed to since the last believed one is no jump; no more is allowed while
+    heights come that are doubted.
 
     Example:
         >>> watch = HeightWatch()
@@ -24,25 +28,31 @@ class HeightWatch:
 
     limits: EvidenceLimits = field(default_factory=lambda: LIMITS)
     _believed: tuple[float, float] | None = None
-    _jumped: tuple[float, float] | None = None
+    _newest_s: float | None = None
+    _doubted_s: float | None = None
+    _steady: tuple[float, float] | None = None
 
     def good(self, time_s: float, height_m: float) -> bool:
         """Whether to believe the next height, m, of that time, s."""
         least_m, most_m = self.limits.height_m
         if not (math.isfinite(height_m) and least_m <= height_m <= most_m):
-            self._jumped = None
+            self._steady = None
             return False
-        if self._believed and time_s - self._believed[0] > FORGOTTEN_S:
+        if self._newest_s is not None and time_s - self._newest_s > FORGOTTEN_S:
             self._believed = None
-        if self._believed is None or self._near(self._believed, time_s, height_m):
-            self._believed, self._jumped = (time_s, height_m), None
-            return True
-        since_s = time_s if self._jumped is None else self._jumped[0]
-        steady = self._jumped is None or self._near((time_s, self._jumped[1]), time_s, height_m)
-        self._jumped = (since_s if steady else time_s, height_m)
-        if time_s - self._jumped[0] < BELIEVED_AFTER_S:
-            return False
-        self._believed, self._jumped = (time_s, height_m), None
+        self._newest_s = time_s
+        doubted_s = time_s if self._doubted_s is None else self._doubted_s
+        if self._believed is None or self._near(self._believed, doubted_s, height_m):
+            return self._believe(time_s, height_m)
+        stays = self._steady is not None and self._near((time_s, self._steady[1]), time_s, height_m)
+        since_s = self._steady[0] if self._steady is not None and stays else time_s
+        if time_s - since_s >= BELIEVED_AFTER_S:
+            return self._believe(time_s, height_m)
+        self._steady, self._doubted_s = (since_s, height_m), doubted_s
+        return False
+
+    def _believe(self, time_s: float, height_m: float) -> bool:
+        self._believed, self._steady, self._doubted_s = (time_s, height_m), None, None
         return True
 
     def _near(self, before: tuple[float, float], time_s: float, height_m: float) -> bool:
