@@ -55,7 +55,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         check_run_folder(arguments.model)
 
     from horizon_dl.output import output_folder, write_bytes
-    from horizon_dl.reporting.outputs import NO_FILM, can_film
+    from horizon_dl.reporting.outputs import can_film
     from horizon_dl.reporting.run_page import FILM
     from horizon_dl.sources.open_source import open_source
 
@@ -66,12 +66,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.video and not can_film():
         raise InputError("--video", "needs av", "pip install 'horizon-dl[logs]'")
     _say_without_height(arguments, source)
-    if _lacks_attitude(source):
-        if arguments.attitude is not None and source.camera is None:
-            problem = "needs to know the camera"
-            raise InputError(f"--attitude {arguments.attitude}", problem, "give --camera FILE")
-        lacking = "--attitude gives one" if source.camera else "--camera and --attitude give one"
-        print(f"note: {NO_ATTITUDE}; {lacking}")
+    _say_without_attitude(arguments, source)
     length = _length(arguments, source)
     every = arguments.every or every_nth(length)
     if every > 1:
@@ -85,18 +80,24 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         if arguments.video and film:
             write_bytes(arguments.video, (folder / FILM).read_bytes())
     say_skipped(skipped)
+    note = predictor.note()
     if predictor.doubt:
         print(f"the net says of itself: {predictor.doubt}")
-    note = predictor.note()
     if note:
         print(f"note: {note}")
+    _say_written(arguments, count, every, film)
+    return {"out": arguments.out, "frames": count, "skipped": skipped, "note": note}
+
+
+def _say_written(arguments: argparse.Namespace, count: int, every: int, film: bool) -> None:
+    from horizon_dl.reporting.outputs import NO_FILM, can_film
+
     print(f"wrote {-(-count // every)} panels and arrays to {arguments.out}")
     if arguments.video and film:
         print(f"wrote {count} frames to {arguments.video}")
     if not can_film():
         print(NO_FILM)
     print(f"look at {arguments.out / 'index.html'}")
-    return {"out": arguments.out, "frames": count, "skipped": skipped, "note": note}
 
 
 def every_nth(length: int | None) -> int:
@@ -107,6 +108,19 @@ def every_nth(length: int | None) -> int:
         (1, 2, 18, 1)
     """
     return 1 if length is None else max(1, -(-length // MOST_PANELS))
+
+
+def _say_without_attitude(arguments: argparse.Namespace, source: "FrameSource") -> None:
+    """InputError where the attitude that was given cannot be used."""
+    from horizon_dl.errors import InputError
+
+    if not _lacks_attitude(source):
+        return
+    if arguments.attitude is not None and source.camera is None:
+        problem = "needs to know the camera"
+        raise InputError(f"--attitude {arguments.attitude}", problem, "give --camera FILE")
+    lacking = "--attitude gives one" if source.camera else "--camera and --attitude give one"
+    print(f"note: {NO_ATTITUDE}; {lacking}")
 
 
 def _say_without_height(arguments: argparse.Namespace, source: "FrameSource") -> None:
