@@ -210,7 +210,6 @@ def test_compare_evaluate_and_a_file_leave_out_paths_by_the_same_number(toy, tmp
         return p_above
 
     monkeypatch.setattr("horizon_dl.methods.scores.fused_score", watched)
-    monkeypatch.setattr("horizon_dl.methods.onnx_file.fused_score", watched)
     evaluate(load_run(folder), toy)
     assert set(asked) == {said}
     asked.clear()

@@ -122,7 +122,7 @@ def test_paragraphs() -> None:
 
 @pytest.mark.parametrize("content", [b"", b"GIF89a", b"plain"])
 def test_other_pictures_are_refused(content: bytes) -> None:
-    with pytest.raises(ValueError, match="PNG, JPEG or SVG"):
+    with pytest.raises(ValueError, match="PNG, JPEG, SVG or WebP"):
         media_type(content)
 
 
