@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
     from horizon_dl.config import save_config
     from horizon_dl.evaluation.compare import compare, split_recording
     from horizon_dl.evidence.self_assessment import said
-    from horizon_dl.methods.registry import NET
+    from horizon_dl.methods.names import NET
     from horizon_dl.output import output_folder
     from horizon_dl.output.names import ResultNames
     from horizon_dl.reporting.comparison import write_comparison

@@ -62,7 +62,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def learned_run(result: "Comparison", recording: "Recording", config: "Config") -> "Run":
     """What was learned in the one pass, ready to be exported."""
-    from horizon_dl.methods.registry import NET
+    from horizon_dl.methods.names import NET
     from horizon_dl.training.frame_store import FrameStore
     from horizon_dl.training.train import finished_run
 

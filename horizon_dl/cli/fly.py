@@ -203,8 +203,9 @@ def flight_params(own: "FlightParams", overrides: "Sequence[str]") -> "FlightPar
 def _source(arguments: argparse.Namespace) -> "FrameSource":
     from dataclasses import replace
 
+    from horizon_dl.data.given import MAVLINK
     from horizon_dl.errors import InputError
-    from horizon_dl.sources.open_source import MAVLINK, open_source
+    from horizon_dl.sources.open_source import open_source
 
     beside = given(arguments, needs_attitude=False)
     if arguments.attitude is not None and arguments.attitude.startswith(MAVLINK):

@@ -116,8 +116,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _source(arguments: argparse.Namespace) -> "FrameSource":
+    from horizon_dl.data.given import MAVLINK
     from horizon_dl.errors import InputError
-    from horizon_dl.sources.open_source import MAVLINK, open_source
+    from horizon_dl.sources.open_source import open_source
     from horizon_dl.vehicle.mavlink import open_link
 
     if arguments.mavlink and arguments.attitude:

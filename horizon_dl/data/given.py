@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+MAVLINK = "mavlink:"
+"""An attitude that begins so is that of an autopilot, for a camera; its address follows."""
+
 
 @dataclass(frozen=True)
 class Given:
@@ -10,7 +13,7 @@ class Given:
 
     Attributes:
         camera: a calibration file, `--camera`.
-        attitude: `--attitude`: a log's file, `constant:ROLL,PITCH` in degrees, or `from-images`.
+        attitude: `--attitude`: a log, `constant:ROLL,PITCH` in degrees, `from-images`, or `mavlink:URL`.
         time_offset_s: `--time-offset`: is added to the times of the log to give those of the images.
         imu_axes: `--imu-axes`: of the IMU that a calibration file leads to, as flu; see `geometry.axes`.
         convention: `--convention`: how the attitude's numbers are to be read, see `data.convention`.

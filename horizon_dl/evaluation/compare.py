@@ -27,7 +27,7 @@ from horizon_dl.methods.learners import (
     fit_forest,
     forest_threshold,
 )
-from horizon_dl.methods.registry import FOREST, LEARNERS, NET
+from horizon_dl.methods.names import FOREST, LEARNERS, NET
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metrics import metrics_file

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from horizon_dl.methods.registry import FOREST, NET
+from horizon_dl.methods.names import FOREST, NET
 
 Part = tuple[str, int]
 """A learner, and the seed of its run."""

@@ -14,8 +14,8 @@ from horizon_dl.evaluation.scoring import (
     watching,
 )
 from horizon_dl.methods.learners import Method, NetMethod
+from horizon_dl.methods.names import NET
 from horizon_dl.methods.onnx_file import FileMethod, FileRun
-from horizon_dl.methods.registry import NET
 from horizon_dl.methods.training_free import training_free_methods
 from horizon_dl.metrics.metrics import metrics_file
 from horizon_dl.metrics.ranging_block import RangingBlock

@@ -14,7 +14,7 @@ from horizon_dl.data.view import View
 from horizon_dl.errors import FrameError
 from horizon_dl.evidence.place import Place, usual_levels
 from horizon_dl.methods.learners import Method
-from horizon_dl.methods.registry import NET
+from horizon_dl.methods.names import NET
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.obstacle_height import by_height
 from horizon_dl.metrics.ranging_block import RangingBlock

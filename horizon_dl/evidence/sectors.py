@@ -1,5 +1,4 @@
-"""Evidence of single sectors: how much of the floor that a sector claims shows
-any detail, and how much has familiar colours?"""
+"""Evidence of a sector: how much of the floor that it claims shows detail, and how much familiar colours."""
 
 import numpy as np
 from numpy.typing import NDArray

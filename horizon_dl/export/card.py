@@ -9,7 +9,7 @@ from safetensors.torch import save
 from horizon_dl.config import Config
 from horizon_dl.data.source import Recording
 from horizon_dl.geometry.camera import Camera, working_size
-from horizon_dl.methods.registry import FOREST, NET
+from horizon_dl.methods.names import FOREST, NET
 from horizon_dl.models.build import parameter_count
 from horizon_dl.models.features import FEATURE_NAMES
 from horizon_dl.models.forest import HorizonForest

@@ -13,7 +13,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.errors import InputError
 from horizon_dl.evidence.place import Place
-from horizon_dl.methods.registry import NET
+from horizon_dl.methods.names import NET
 from horizon_dl.methods.scores import score_maps
 from horizon_dl.runtime.model import ObstacleModel
 from horizon_dl.runtime.predict import measures_of

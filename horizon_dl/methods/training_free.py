@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from horizon_dl.data.frame import Frame
 from horizon_dl.data.view import View
 from horizon_dl.methods import baselines
-from horizon_dl.methods.registry import DIFFUSION, POSITION
-from horizon_dl.methods.registry import GEODESIC as GEODESIC_NAME
+from horizon_dl.methods.names import DIFFUSION, POSITION
+from horizon_dl.methods.names import GEODESIC as GEODESIC_NAME
 from horizon_dl.targets.geodesic_params import GEODESIC, GeodesicParams
 
 Map = NDArray[np.float32]

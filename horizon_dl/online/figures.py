@@ -12,7 +12,7 @@ from horizon_dl.data.frame import Frame, FrameHeader
 from horizon_dl.data.view import View
 from horizon_dl.evaluation.progressive import ProgressiveValidation
 from horizon_dl.evaluation.scoring import count_distances
-from horizon_dl.methods.registry import NET
+from horizon_dl.methods.names import NET
 from horizon_dl.methods.scores import SCORES, score_maps
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.metric_snapshot import metric_snapshot, restore_metric

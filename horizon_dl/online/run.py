@@ -14,7 +14,7 @@ from horizon_dl.data.frame import Frame
 from horizon_dl.data.source import FrameSource, Recording, calibrated
 from horizon_dl.data.view import View, any_view
 from horizon_dl.errors import FrameError, InputError
-from horizon_dl.methods.registry import NET
+from horizon_dl.methods.names import NET
 from horizon_dl.online.figures import OnlineFigures
 from horizon_dl.online.guard import Distrust, StreamGuard
 from horizon_dl.online.periodic_export import PeriodicExport

@@ -5,7 +5,7 @@ from typing import Any
 
 from horizon_dl.config import Config
 from horizon_dl.evaluation.compare import Comparison
-from horizon_dl.methods.registry import printed_name
+from horizon_dl.methods.names import printed_name
 from horizon_dl.output import write_json, write_text
 from horizon_dl.provenance import machine, versions
 from horizon_dl.reporting.browser_data import Slider, browser_data

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.evaluation.compare import Comparison
-from horizon_dl.methods.registry import TRAINING_FREE, printed_name
+from horizon_dl.methods.names import TRAINING_FREE, printed_name
 from horizon_dl.metrics.calibration_error import Reliability
 from horizon_dl.metrics.method_accumulator import MethodAccumulator
 from horizon_dl.metrics.roc import LOGIT_RANGE, RocAccumulator

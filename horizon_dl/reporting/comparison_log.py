@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from horizon_dl.evaluation.scoring import ScoredFrame
 from horizon_dl.evidence.place import usual_levels
 from horizon_dl.geometry.rays import camera_rays
-from horizon_dl.methods.registry import printed_name
+from horizon_dl.methods.names import printed_name
 from horizon_dl.metrics.range_truth import level_ranges, true_distances
 from horizon_dl.metrics.ranging import EVALUATION_BEARINGS, RangingAccumulator
 from horizon_dl.output.names import ResultNames

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from horizon_dl.evidence.self_assessment import said
-from horizon_dl.methods.registry import LEARNERS, TRAINING_FREE, printed_name
+from horizon_dl.methods.names import LEARNERS, TRAINING_FREE, printed_name
 from horizon_dl.runtime.prediction import FLOWN_SCORE, PAPER_SCORE
 
 ALIKE = 0.005

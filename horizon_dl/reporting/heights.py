@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from horizon_dl.methods.registry import printed_name
+from horizon_dl.methods.names import printed_name
 from horizon_dl.reporting.conclusion import headline_score
 from horizon_dl.reporting.sections import Table
 from horizon_dl.reporting.table import figure_text

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from horizon_dl.methods.registry import printed_name
+from horizon_dl.methods.names import printed_name
 
 FIGURES = {
     "auc": "AUC",

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from horizon_dl.calibration.calibration import read_calibration
 from horizon_dl.data.attitude_log import AttitudeLog
-from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.given import MAVLINK, NOTHING_GIVEN, Given
 from horizon_dl.data.source import FrameSource, Recording
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs.registry import read_attitude
@@ -14,9 +14,6 @@ from horizon_dl.readers.registry import open_recording
 from horizon_dl.sources.camera import CameraSource, is_live
 from horizon_dl.sources.with_autopilot import WithAutopilot
 from horizon_dl.vehicle.mavlink import Link, open_link
-
-MAVLINK = "mavlink:"
-"""Before the address of an autopilot, as an attitude."""
 
 
 def open_source(

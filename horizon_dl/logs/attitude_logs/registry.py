@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Protocol
 
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
-from horizon_dl.data.given import NOTHING_GIVEN, Given
+from horizon_dl.data.given import MAVLINK, NOTHING_GIVEN, Given
 from horizon_dl.data.regular_file import check_regular, check_there
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs import (
@@ -59,9 +59,9 @@ def read_attitude(given: str, units: Given = NOTHING_GIVEN) -> AttitudeLog | Con
         >>> round(read_attitude("constant:0,-90").pitch_rad, 3)
         -1.571
     """
-    kind, _, rest = given.partition(":")
-    if kind == "mavlink":
+    if given.startswith(MAVLINK):
         raise InputError(given, "is the attitude of a camera alone", "give a recording's own log")
+    kind, _, rest = given.partition(":")
     return _constant(rest) if kind == "constant" else read_attitude_log(Path(given), units)
 
 
