@@ -106,13 +106,13 @@ def test_every_frame_is_predicted_in_real_time(toy, tmp_path, capsys):
 
 
 def test_frames_come_at_their_times(toy):
+    start = time.monotonic()  # before the thread starts, which a busy machine may let run first
     frames = PacedFrames(enumerate(open_recording(toy).frames()), 2.0)
-    start = time.monotonic()
     for index in range(6):
         found = frames.take(5.0)
         assert found is not None
         assert found[1][0] == index
-        assert time.monotonic() - start > 0.05 * index - 0.02
+        assert time.monotonic() - start > 0.05 * index - 0.001
     frames.stop()
 
 
