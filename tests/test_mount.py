@@ -12,10 +12,15 @@ from numpy.typing import NDArray
 
 from horizon_dl.cli import main
 from horizon_dl.errors import InputError
-from horizon_dl.geometry.attitude import quaternion_from_rpy, up_in_camera
+from horizon_dl.geometry.attitude import (
+    quaternion_from_rpy,
+    rotation_from_rpy,
+    rpy_from_rotation,
+    up_in_camera,
+)
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.lines import LinePlanes, line_planes
-from horizon_dl.inspection.mount import corrected_up, fit_mount
+from horizon_dl.inspection.mount import corrected_mount, corrected_up, fit_mount
 from horizon_dl.inspection.mount_check import check_mount, is_sure
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
@@ -34,7 +39,8 @@ def scene(
     rng = np.random.default_rng(1)
     planes, attitudes = [], []
     for _ in range(frames):
-        q = quaternion_from_rpy(*rng.normal(0, 0.15, 2), rng.uniform(-3, 3))
+        camera = rotation_from_rpy(*rng.normal([0.0, -0.3], 0.15), rng.uniform(-3, 3))
+        q = quaternion_from_rpy(*rpy_from_rotation(camera @ rotation_from_rpy(*true_mount).T))
         up = up_in_camera(q, true_mount)
         rays = unit(np.column_stack([rng.uniform(-0.7, 0.7, (999, 2)), np.ones(999)]))
         along = unit(np.cross(up, rng.normal(size=3)))
@@ -53,12 +59,15 @@ def scene(
 
 
 @pytest.mark.parametrize(("roll", "pitch"), [(0.0, 0.0), (4.3, -3.1), (-2.2, 6.4)])
-@pytest.mark.parametrize("stated_deg", [(0.0, 0.0, 0.0), (2.0, -25.0, 15.0)])
+@pytest.mark.parametrize(
+    "stated_deg", [(0.0, 0.0, 0.0), (2.0, -25.0, 15.0), (90.0, -20.0, 0.0), (180.0, 5.0, 9.0), (-82, 80, 81)]
+)
 def test_a_known_error_is_found(roll: float, pitch: float, stated_deg: tuple[float, float, float]) -> None:
     stated = tuple(map(math.radians, stated_deg))
-    true = (stated[0] + math.radians(roll), stated[1] + math.radians(pitch), stated[2])
+    turn = rotation_from_rpy(math.radians(roll), math.radians(pitch), 0.0)
+    true = rpy_from_rotation(rotation_from_rpy(*stated) @ turn)
     planes, attitudes = scene(true, verticals=12, level=15, clutter=30)
-    fit = fit_mount(planes, [up_in_camera(q, stated) for q in attitudes], stated)
+    fit = fit_mount(planes, [up_in_camera(q, stated) for q in attitudes])
     assert fit is not None
     assert math.degrees(fit.roll.correction) == pytest.approx(roll, abs=0.3)
     assert math.degrees(fit.pitch.correction) == pytest.approx(pitch, abs=0.3)
@@ -70,7 +79,7 @@ def test_a_known_error_is_found(roll: float, pitch: float, stated_deg: tuple[flo
 
 def test_clutter_alone_tells_nothing() -> None:
     planes, attitudes = scene((0.0, 0.0, 0.0), verticals=0, level=0, clutter=40)
-    fit = fit_mount(planes, [up_in_camera(q, (0, 0, 0)) for q in attitudes], (0.0, 0.0, 0.0))
+    fit = fit_mount(planes, [up_in_camera(q, (0, 0, 0)) for q in attitudes])
     assert fit is not None
     assert not is_sure(fit.roll)
     assert not is_sure(fit.pitch)
@@ -78,13 +87,18 @@ def test_clutter_alone_tells_nothing() -> None:
 
 def test_few_frames_tell_nothing() -> None:
     planes, attitudes = scene((0.0, 0.0, 0.0), verticals=9, level=9, clutter=9, frames=4)
-    assert fit_mount(planes, [up_in_camera(q, (0, 0, 0)) for q in attitudes], (0.0, 0.0, 0.0)) is None
+    assert fit_mount(planes, [up_in_camera(q, (0, 0, 0)) for q in attitudes]) is None
 
 
-def test_corrected_up_is_that_of_the_other_mount() -> None:
-    q, stated = quaternion_from_rpy(0.2, -0.3, 1.0), (0.05, -0.4, 0.2)
-    turned = corrected_up(up_in_camera(q, stated)[None], stated, 0.07, -0.03)
-    np.testing.assert_allclose(turned[0], up_in_camera(q, (0.12, -0.43, 0.2)), atol=1e-12)
+@pytest.mark.parametrize("stated", [(0.0, -0.4, 0.2), (1.6, -0.4, 0.2), (-1.43, 1.4, 1.41)])
+def test_corrected_up_is_that_of_the_corrected_mount(stated: tuple[float, float, float]) -> None:
+    q = quaternion_from_rpy(0.2, -0.3, 1.0)
+    turned = corrected_up(up_in_camera(q, stated)[None], 0.07, -0.03)
+    np.testing.assert_allclose(turned[0], up_in_camera(q, corrected_mount(stated, 0.07, -0.03)), atol=1e-12)
+
+
+def test_corrections_add_up_where_the_camera_stands_upright() -> None:
+    np.testing.assert_allclose(corrected_mount((0.0, -0.4, 0.2), 0.07, -0.03), (0.07, -0.43, 0.2), atol=1e-12)
 
 
 def test_an_edge_lies_in_its_plane() -> None:

@@ -5,11 +5,12 @@ import os
 import pickle
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from make_bags import KINDS, Maker, flight
+from make_bags import KINDS, Maker, attitude_at, flight
 
 from horizon_dl.cli import main
 from horizon_dl.data.given import Given
@@ -129,6 +130,25 @@ def test_what_is_missing_is_said(tmp_path: Path) -> None:
     assert open_recording(tmp_path / "imu", given=Given(needs_attitude=False)).length == 8
     with pytest.raises(InputError, match=r"holds no pictures, only sensor_msgs/msg/CameraInfo"):
         open_recording(without("/camera/image_raw"))
+
+
+def test_a_log_beside_the_bag_is_read_as_its_options_say(tmp_path: Path) -> None:
+    maker = Maker()
+    rows, _, ups = flight(maker)
+    path = maker.write(tmp_path / "bag", [row for row in rows if row[0] != "/imu"])
+    (tmp_path / "camera.yaml").write_text(
+        "model: pinhole\nwidth: 32\nheight: 24\nfx: 30\nfy: 30\ncx: 15.5\ncy: 11.5\n"
+    )
+    times_s = [k / 100 for k in range(100)]
+    cells = [",".join(map(str, (time_s, *attitude_at(time_s)))) for time_s in times_s]
+    (tmp_path / "log.csv").write_text("\n".join(["time_s,roll,pitch", *cells]))
+    given = Given(
+        camera=tmp_path / "camera.yaml", attitude=str(tmp_path / "log.csv"), time_offset_s=1_700_000_000.0
+    )
+    with pytest.raises(InputError, match="--angle-unit rad"):
+        open_recording(path, given=given)
+    recording = open_recording(path, given=replace(given, angle_unit="rad"))
+    assert angle_deg(np.array([header.up_cam for header in recording.headers]), ups) < 0.05
 
 
 def test_the_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -29,12 +29,14 @@ class Calibration:
         rotate_quarter_turns_ccw: how the stored image is turned to be upright.
         mount: roll, pitch, yaw (rad) of the camera in the body (FRD); or in an IMU whose axes are not stated.
         notes: what was done that the user should know, a sentence each.
+        imu_axes: of the IMU beside the camera, as flu, where they are stated.
     """
 
     camera: Camera
     rotate_quarter_turns_ccw: int = 0
     mount: Mount | ImuMount = (0.0, 0.0, 0.0)
     notes: tuple[str, ...] = ()
+    imu_axes: str | None = None
 
     @property
     def mount_rpy_rad(self) -> Mount:
@@ -78,8 +80,9 @@ def read_calibration(
     upright = size[::-1] if size and QUARTER_TURNS_CCW[turn] % 2 else size
     wanted = Wanted(upright, name or fields.text("use_camera") or None)
     found, choice = choose(path, cameras_in(fields, wanted), wanted)
-    mount = mount_of(fields, found, imu_axes)
-    return Calibration(found.camera, QUARTER_TURNS_CCW[turn], mount, (*found.notes, *choice))
+    axes = imu_axes or fields.text("imu_axes") or None
+    mount = mount_of(fields, found, axes)
+    return Calibration(found.camera, QUARTER_TURNS_CCW[turn], mount, (*found.notes, *choice), axes)
 
 
 def _check_common(fields: Fields) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from horizon_dl.calibration.candidate import Found
 from horizon_dl.calibration.fields import Fields
@@ -23,6 +24,19 @@ USUAL = ("flu", "frd")
 
 class AxesNotStatedError(InputError):
     """A file leads to an IMU and does not say which way its axes point."""
+
+
+def rotation_of_axes(axes: str, where: str | Path = "--imu-axes") -> NDArray[np.float64]:
+    """Rotation (3, 3) from an IMU with the named axes, as `flu`, to the body (FRD).
+
+    Raises:
+        InputError: no axes have this name; the error names the file or option where it stands.
+    """
+    try:
+        return frd_from_axes(axes)
+    except ValueError as error:
+        hint = "give flu, frd or one of " + ", ".join(ALL_AXES[:6])
+        raise InputError(where, f"{KEY} '{axes[:20]}' is {error}", hint) from None
 
 
 @dataclass(frozen=True)
@@ -43,10 +57,11 @@ class ImuMount:
         """Roll, pitch, yaw (rad) of the camera in the body (FRD) if the IMU has the named axes, as `flu`.
 
         Raises:
-            ValueError: no axes have this name.
+            InputError: no axes have this name.
         """
         imu_from_camera = np.array(self.imu_from_camera).reshape(3, 3)
-        return rpy_from_rotation(frd_from_axes(axes) @ imu_from_camera @ OPTICAL_FROM_FRD)
+        frd_from_imu = rotation_of_axes(axes, self.path)
+        return rpy_from_rotation(frd_from_imu @ imu_from_camera @ OPTICAL_FROM_FRD)
 
     def question(self) -> AxesNotStatedError:
         """What to ask where the axes are needed."""
@@ -71,7 +86,7 @@ def mount_of(fields: Fields, found: Found, axes: str | None) -> Mount | ImuMount
     Args:
         fields: of the whole file.
         found: the camera.
-        axes: name of the IMU's axes, as `flu`; else the file's own `imu_axes`.
+        axes: name of the IMU's axes, as `flu`, where they are stated.
 
     Raises:
         InputError: a field is wrong.
@@ -82,11 +97,4 @@ def mount_of(fields: Fields, found: Found, axes: str | None) -> Mount | ImuMount
     if found.imu_from_camera is None:
         return 0.0, 0.0, 0.0
     mount = ImuMount(fields.path, found.imu_field, tuple(found.imu_from_camera.ravel().tolist()))
-    name = axes or fields.text(KEY)
-    if not name:
-        return mount
-    try:
-        return mount.rpy(name)
-    except ValueError as error:
-        hint = "give flu, frd or one of " + ", ".join(ALL_AXES[:6])
-        raise InputError(fields.path, f"{KEY} '{name[:20]}' is {error}", hint) from None
+    return mount if axes is None else mount.rpy(axes)

@@ -24,7 +24,8 @@ def add_given(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--imu-axes",
         metavar="AXES",
-        help="flu, frd, ...: where x, y, z point of the IMU that the calibration leads to",
+        help="flu, frd, ...: where x, y, z point of the IMU that the calibration leads to, or whose table "
+        "is the attitude",
     )
     parser.add_argument(
         "--convention",
@@ -48,7 +49,7 @@ def add_given(parser: argparse.ArgumentParser) -> None:
         "--time-unit", choices=("s", "ms", "us", "ns"), help="of the times in a table (found if left out)"
     )
     parser.add_argument(
-        "--angle-unit", choices=("rad", "deg"), help="of the angles in a table (found if left out)"
+        "--angle-unit", choices=("rad", "deg"), help="of the angles, or rates, in a table (found if left out)"
     )
     parser.add_argument(
         "--topic", action="append", default=[], metavar="NAME", help="of a bag, where several fit"

@@ -35,6 +35,7 @@ class AttitudeLog:
         shutter: the attitudes at which pictures were taken, one each, where the log tells.
         unix_start_s: time of the first attitude since 1970, s, where the log tells.
         notes: what its user should know, a sentence each.
+        of_imu: estimated from samples of an IMU, in axes that its user names.
     """
 
     times_s: Floats
@@ -44,6 +45,7 @@ class AttitudeLog:
     shutter: Optional["AttitudeLog"] = None
     unix_start_s: float | None = None
     notes: tuple[str, ...] = ()
+    of_imu: bool = False
 
     def header(self, name: str, time_s: float, mount_rpy_rad: MountRpy) -> FrameHeader:
         """What the log knows of a frame; gaps of over 0.2 s are not bridged.

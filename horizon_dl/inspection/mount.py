@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy
+from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD, rotation_from_rpy, rpy_from_rotation
 from horizon_dl.geometry.lines import LinePlanes
 
 Floats = NDArray[np.float64]
@@ -35,10 +35,10 @@ _SMOOTHING = ((-3, 0.25), (-2, 0.5), (-1, 0.75), (0, 1.0), (1, 0.75), (2, 0.5), 
 
 @dataclass(frozen=True)
 class Angle:
-    """One angle of the mount, rad.
+    """One angle by which the mount is off, rad, about the camera's own axes (forward, or right).
 
     Attributes:
-        correction: to be added to the stated one.
+        correction: by which the camera is turned from where the stated mount has it.
         sd: standard deviation, by resampling parts of the recording. Errors of the lens calibration and walls
             that lean are not in it.
         at_limit: the best correction is the largest that was tried.
@@ -69,15 +69,12 @@ class MountFit:
     edges: int
 
 
-def fit_mount(
-    planes: Sequence[LinePlanes], up_cam: Sequence[Any], mount_rpy_rad: tuple[float, float, float]
-) -> MountFit | None:
+def fit_mount(planes: Sequence[LinePlanes], up_cam: Sequence[Any]) -> MountFit | None:
     """The mount's errors of roll and pitch; None with too few frames.
 
     Args:
         planes: of each frame's edges.
         up_cam: (3,) of each frame, under the stated mount.
-        mount_rpy_rad: the stated mount.
     """
     used = [index for index, one in enumerate(planes) if len(one.normal)]
     if len(used) < LEAST_FRAMES:
@@ -86,7 +83,7 @@ def fit_mount(
     weight = np.concatenate([planes[index].length_rad for index in used])
     frame = np.repeat(np.arange(len(used)), [len(planes[index].normal) for index in used])
     up = np.array([up_cam[index] for index in used], np.float64)
-    edges = _Edges(normal, weight, frame, up, mount_rpy_rad)
+    edges = _Edges(normal, weight, frame, up)
     rough = edges.votes(COARSE, COARSE, COARSE_UPRIGHT)
     about = _peak(rough.sum(axis=0), COARSE, COARSE)
     rolls, pitches = (FINE + round(angle / FINE_STEP) * FINE_STEP for angle in about)
@@ -99,14 +96,17 @@ def fit_mount(
     return MountFit(roll, _both(pitch, level), level_pitch, len(used), len(normal))
 
 
-def corrected_up(
-    up_cam: Floats, mount_rpy_rad: tuple[float, float, float], roll: float, pitch: float
-) -> Floats:
-    """(N, 3) up directions with `roll` and `pitch` added to the mount, all rad."""
-    stated = rotation_from_rpy(*mount_rpy_rad)
-    yaw = mount_rpy_rad[2]
-    right = rotation_from_rpy(mount_rpy_rad[0] + roll, mount_rpy_rad[1] + pitch, yaw)
-    return np.asarray(up_cam @ (OPTICAL_FROM_FRD @ right.T @ stated @ OPTICAL_FROM_FRD.T).T)
+def corrected_up(up_cam: Floats, roll: float, pitch: float) -> Floats:
+    """(N, 3) up directions in a camera that is turned by `roll` and `pitch`, rad, about its own axes."""
+    turn = rotation_from_rpy(roll, pitch, 0.0)
+    return np.asarray(up_cam @ (OPTICAL_FROM_FRD @ turn @ OPTICAL_FROM_FRD.T))
+
+
+def corrected_mount(
+    mount_rpy_rad: tuple[float, float, float], roll: float, pitch: float
+) -> tuple[float, float, float]:
+    """The mount, roll, pitch and yaw in the body, of a camera that is turned as of `corrected_up`."""
+    return rpy_from_rotation(rotation_from_rpy(*mount_rpy_rad) @ rotation_from_rpy(roll, pitch, 0.0))
 
 
 @dataclass(frozen=True)
@@ -117,14 +117,13 @@ class _Edges:
     weight: Floats
     frame: NDArray[np.int64]
     up: Floats
-    mount: tuple[float, float, float]
 
     def votes(self, rolls: Floats, pitches: Floats, tolerance: float) -> Floats:
         """(frames, rolls, pitches) sum of the verticals' votes."""
         votes = np.zeros((len(self.up), len(rolls), len(pitches)))
         for i, roll in enumerate(rolls.tolist()):
             for j, pitch in enumerate(pitches.tolist()):
-                up = corrected_up(self.up, self.mount, roll, pitch)[self.frame]
+                up = corrected_up(self.up, roll, pitch)[self.frame]
                 miss = np.einsum("ij,ij->i", self.normal, up)
                 vote = self.weight * np.maximum(0.0, 1.0 - np.square(miss / tolerance))
                 votes[:, i, j] = np.bincount(self.frame, vote, len(self.up))
@@ -132,7 +131,7 @@ class _Edges:
 
     def agreement(self, roll: float, pitch: float) -> Floats:
         """(frames,) how well the level edges agree under a mount."""
-        up = corrected_up(self.up, self.mount, roll, pitch)
+        up = corrected_up(self.up, roll, pitch)
         return _agreement(self.normal, self.weight, self.frame, up[self.frame])
 
 

@@ -8,7 +8,7 @@ from horizon_dl.data.evenly import evenly
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
 from horizon_dl.geometry.lines import LinePlanes, line_planes
-from horizon_dl.inspection.mount import AGREES_RAD, Angle, MountFit, fit_mount
+from horizon_dl.inspection.mount import AGREES_RAD, Angle, MountFit, corrected_mount, fit_mount
 from horizon_dl.progress import show_progress
 
 MOST_FRAMES = 80
@@ -25,8 +25,7 @@ class MountCheck:
 
     Attributes:
         name: of the recording.
-        stated_rpy_rad: the mount that the attitudes were used with; zeros where the format knows none: the
-            corrections are then about the camera's own axes.
+        stated_rpy_rad: the mount that the attitudes were used with; zeros where the format knows none.
         fit: of the images.
     """
 
@@ -37,9 +36,9 @@ class MountCheck:
     @property
     def corrected_rpy_deg(self) -> list[float]:
         """The mount with those corrections that are sure and worth it, to a tenth of a degree."""
-        angles = zip(self.stated_rpy_rad[:2], (self.fit.roll, self.fit.pitch), strict=True)
-        roll, pitch = (stated + (one.correction if _is_off(one) else 0.0) for stated, one in angles)
-        return [round(math.degrees(angle), 1) + 0.0 for angle in (roll, pitch, self.stated_rpy_rad[2])]
+        roll, pitch = (one.correction if _is_off(one) else 0.0 for one in (self.fit.roll, self.fit.pitch))
+        right = corrected_mount(self.stated_rpy_rad, roll, pitch)
+        return [round(math.degrees(angle), 1) + 0.0 for angle in right]
 
     def is_worth(self, angle: Angle, least_rad: float) -> bool:
         """Whether an angle is surely off by at least this much."""
@@ -95,7 +94,7 @@ def check_mount(recording: Recording, stated_rpy_rad: Mount, *, progress: bool =
             continue
         planes.append(line_planes(frame.image, frame.calibrated))
         ups.append(frame.up_cam)
-    fit = fit_mount(planes, ups, stated_rpy_rad)
+    fit = fit_mount(planes, ups)
     if fit is None or not (is_sure(fit.roll) or is_sure(fit.pitch)):
         raise InputError(
             recording.name,

@@ -7,7 +7,7 @@ from horizon_dl.data.given import Given
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs import gopro_track
-from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.readers import film
 
 NAME = "gopro"
@@ -35,5 +35,8 @@ def read(path: Path, given: Given) -> Recording:
         problem = "is a GoPro's film: its attitude is inside, its camera is not"
         hint = "give --camera FILE (pinhole, fx and fy of half the width for wide, all of it for linear)"
         raise InputError(path, problem, hint)
-    log = gopro_track.read(path) if given.attitude is None else read_attitude(given.attitude, given)
-    return film.film_recording(path, NAME, given, read_calibration(place, imu_axes=given.imu_axes), log)
+    calibration = read_calibration(place, imu_axes=given.imu_axes)
+    if given.attitude is None:
+        return film.film_recording(path, NAME, given, calibration, gopro_track.read(path))
+    calibration, log = camera_and_log(calibration, given.attitude, given)
+    return film.film_recording(path, NAME, given, calibration, log)

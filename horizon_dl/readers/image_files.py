@@ -15,7 +15,7 @@ from horizon_dl.data.picture_times import by_shutter, picture_times
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, images_in, natural, relative_name
 from horizon_dl.errors import InputError
-from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.logs.log_recording import headers_by_log
 
 NAME = "pictures"
@@ -34,11 +34,12 @@ def read(path: Path, given: Given) -> Recording:
     Raises:
         InputError: an attitude is needed, and pictures have none, or no times to find it in the log.
     """
-    attitude = None if given.attitude is None else read_attitude(given.attitude, given)
-    if given.camera is not None and isinstance(attitude, ConstantAttitude):
-        return _with_attitude(path, attitude, read_calibration(given.camera, imu_axes=given.imu_axes))
-    if given.camera is not None and isinstance(attitude, AttitudeLog):
-        return _with_log(path, attitude, read_calibration(given.camera, imu_axes=given.imu_axes), given)
+    if given.camera is not None and given.attitude is not None:
+        calibration = read_calibration(given.camera, imu_axes=given.imu_axes)
+        calibration, attitude = camera_and_log(calibration, given.attitude, given)
+        if isinstance(attitude, ConstantAttitude):
+            return _with_attitude(path, attitude, calibration)
+        return _with_log(path, attitude, calibration, given)
     if given.needs_attitude:
         raise InputError(
             path,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from horizon_dl.calibration.calibration import Calibration, read_calibration
 from horizon_dl.calibration.picture_size import picture_size
-from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
+from horizon_dl.data.attitude_log import AttitudeLog
 from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
@@ -28,7 +28,7 @@ from horizon_dl.data.tables.table import Table, read_table
 from horizon_dl.data.tables.units import CAMERA_STEPS
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import up_in_camera
-from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.logs.log_recording import headers_by_log
 from horizon_dl.readers.beside import files_beside
 from horizon_dl.readers.frames_table import frames_table, image_paths
@@ -62,7 +62,13 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         given.camera or folder / "camera.yaml", size=picture_size(images), imu_axes=given.imu_axes
     )
     names = [relative_name(image, folder) for image in images]
-    headers, more_notes, moved = _headers(table, columns, names, times.tolist(), calibration, given)
+    moved: AttitudeLog | None = None
+    if given.attitude is None:
+        headers, more_notes = _headers(table, columns, names, times.tolist(), calibration, given)
+    else:
+        calibration, log = camera_and_log(calibration, given.attitude, given)
+        where = Path(given.attitude)
+        headers, moved, more_notes = headers_by_log(where, names, times.tolist(), calibration, log, given)
     truths, depths = (files_beside(folder, kind, names) for kind in ("labels", "depth"))
     files = [FrameFiles(*one) for one in zip(images, truths, depths, strict=True)]
     recording = image_recording(
@@ -90,17 +96,9 @@ def _headers(
     times_s: list[float],
     calibration: Calibration,
     given: Given,
-) -> tuple[list[FrameHeader], tuple[str, ...], AttitudeLog | None]:
-    """What is known of the frames, notes, and the log on the frames' clock where there is one."""
+) -> tuple[list[FrameHeader], tuple[str, ...]]:
+    """What the table's own attitudes tell of the frames, and notes."""
     mount = calibration.mount_rpy_rad
-    log = None if given.attitude is None else read_attitude(given.attitude, given)
-    if isinstance(log, ConstantAttitude):
-        headers = [log.header(name, time_s, mount) for name, time_s in zip(names, times_s, strict=True)]
-        return headers, (), None
-    if log is not None:
-        where = Path(given.attitude or "")
-        headers, moved, notes = headers_by_log(where, names, times_s, calibration, log, given)
-        return headers, notes, moved
     rows = read_attitudes(table, columns, given)
     headers = [
         FrameHeader(
@@ -113,7 +111,7 @@ def _headers(
         )
         for index, (name, attitude) in enumerate(zip(names, rows.quaternions, strict=True))
     ]
-    return headers, rows.notes, None
+    return headers, rows.notes
 
 
 def _numbers(as_read: NDArray[np.float64] | None, index: int) -> tuple[float, ...] | None:

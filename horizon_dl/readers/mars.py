@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from horizon_dl.calibration.calibration import Calibration, read_calibration
-from horizon_dl.data.attitude_log import Floats
+from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude, Floats
 from horizon_dl.data.containers import first_frame
 from horizon_dl.data.film_frames import time_stamps
 from horizon_dl.data.given import Given
@@ -14,7 +14,7 @@ from horizon_dl.data.tables.parsing import column, read_table
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.logs.attitude_logs import mars_logger
-from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.readers.film import film_recording
 
 NAME = "mars"
@@ -48,11 +48,10 @@ def read(path: Path, given: Given) -> Recording:
     camera = (
         read_calibration(given.camera, imu_axes=given.imu_axes) if given.camera else _own_camera(folder, film)
     )
-    log = (
-        mars_logger.read(folder / INERTIAL)
-        if given.attitude is None
-        else read_attitude(given.attitude, given)
-    )
+    if given.attitude is None:
+        log: AttitudeLog | ConstantAttitude = mars_logger.read(folder / INERTIAL)
+    else:
+        camera, log = camera_and_log(camera, given.attitude, given)
     times_s = exposure_starts(np.array(shown_s), _stamps(folder)) + _late_s(folder)
     return film_recording(film, NAME, given, camera, log, times_s.tolist())
 

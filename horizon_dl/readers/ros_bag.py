@@ -18,7 +18,7 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import FrameError, InputError
-from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.geometry.attitude import MountRpy
 from horizon_dl.logs.bags.camera_info import camera_of, info_topic
 from horizon_dl.logs.bags.choose import Series, check_named, image_topic, up_series
 from horizon_dl.logs.bags.files import bag_files
@@ -28,6 +28,7 @@ from horizon_dl.logs.bags.mounted import Mounted, mounted
 from horizon_dl.logs.bags.pixels import bits_of, is_wide, picture
 from horizon_dl.logs.bags.storage import Bag, Topic
 from horizon_dl.logs.bags.transforms import read_transforms
+from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.logs.log_recording import headers_by_log
 
 Floats = NDArray[np.float64]
@@ -64,16 +65,18 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     turns = 0 if calibration is None else calibration.rotate_quarter_turns_ccw
     order = np.argsort(times, kind="stable")
     headers = [FrameHeader(f"{n:06d}", float(times[k])) for n, k in enumerate(order)]
-    mount = None if calibration is None else calibration.mount_rpy_rad
+    mount: MountRpy | None = None
     moved: AttitudeLog | None = None
     reading: Reading | None = None
     if calibration is not None and given.attitude is not None:
         names = [one.name for one in headers]
-        log = read_attitude(given.attitude)
+        calibration, log = camera_and_log(calibration, given.attitude, given)
+        mount = calibration.mount_rpy_rad
         headers, moved, said = headers_by_log(path, names, times[order].tolist(), calibration, log, given)
-        reading = reading_with(Convention(), calibration.mount_rpy_rad)
+        reading = reading_with(Convention(), mount)
         notes = (*notes, *said)
     elif calibration is not None:
+        mount = calibration.mount_rpy_rad
         found = _attitude(bag, frame, calibration, stamps, arrivals, headless, given)
         if found is not None:
             if found.by_arrival and not headless:

@@ -4,12 +4,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from horizon_dl.calibration.calibration import read_calibration
+from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
 from horizon_dl.data.film_frames import time_stamps
 from horizon_dl.data.given import Given
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs import sensor_logger
-from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.readers import image_files
 from horizon_dl.readers.film import SUFFIXES, camera_beside, film_recording, films_in
 
@@ -53,8 +54,12 @@ def read(path: Path, given: Given) -> Recording:
     _, shown_s = time_stamps(film)
     named = film.stem.isdigit() and len(film.stem) == 13
     start_s = int(film.stem) * 1e-3 if named else 0.0
-    log = sensor_logger.read(folder) if given.attitude is None else read_attitude(given.attitude, given)
     calibration = None if camera is None else read_calibration(camera, imu_axes=given.imu_axes)
+    log: AttitudeLog | ConstantAttitude | None = None
+    if given.attitude is None:
+        log = sensor_logger.read(folder)
+    elif calibration is not None:
+        calibration, log = camera_and_log(calibration, given.attitude, given)
     times_s = [start_s + time_s for time_s in shown_s]
     recording = film_recording(film, NAME, given, calibration, log, times_s)
     return replace(recording, notes=(*recording.notes, LATE)) if named else recording

@@ -16,6 +16,7 @@ from horizon_dl.readers.registry import open_recording
 Rows = list[tuple[float, ...]]
 ANGLES: Rows = [(5 + t / 10, 0.1 * (t % 3), -0.2 + t / 50, t / 7, 1.5) for t in range(8)]
 QUATERNIONS: Rows = [(5 + t / 10, 1.0, 0.0, 0.1 * (t % 2), 0.0) for t in range(8)]
+INERTIAL: Rows = [(t / 100, 0.1, -0.2, 0.01 * (t % 5), 0.1, 0.2, 9.8) for t in range(60)]
 UNIX = 1_600_000_000
 
 
@@ -47,6 +48,8 @@ def _dialects(image: bool) -> list[bytes]:
         _text("header_stamp | q_w | q_x | q_y | q_z", QUATERNIONS, " | ", image=image),
         "sep=;\n# a\n" + _text("time_s;roll_rad;pitch_rad;yaw_rad;height_cm", ANGLES, ";", ",", image),
     ]  # fmt: skip
+    if not image:
+        texts.append(_text("time_s,gx_rad_s,gy_rad_s,gz_rad_s,ax,ay,az", INERTIAL))
     encoded = [text.encode() for text in texts]
     return [*encoded, texts[0].encode("utf-16"), *([] if image else [dates.encode()])]
 
@@ -55,6 +58,7 @@ def _units(chance: random.Random, **given: object) -> Given:
     return Given(
         time_unit=chance.choice((None, None, "s", "ms", "ns")),
         angle_unit=chance.choice((None, None, "deg", "rad")),
+        imu_axes=chance.choice((None, "flu", "frd")),
         **given,
     )
 
@@ -66,7 +70,7 @@ def attitude_table(folder: Path) -> Case:
     whole = _dialects(image=False)
     for content in whole:
         path.write_bytes(content)
-        read_attitude(str(path), Given(time_unit="s", angle_unit="rad"))
+        read_attitude(str(path), Given(time_unit="s", angle_unit="rad", imu_axes="flu"))
 
     def case(chance: random.Random) -> None:
         if chance.random() < 0.1:

@@ -1,7 +1,6 @@
 """An attitude log that is a table: times, attitudes and heights, row by row."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +9,7 @@ from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
 from horizon_dl.data.tables.find_columns import find_columns
-from horizon_dl.data.tables.table import read_table
+from horizon_dl.data.tables.table import Table
 from horizon_dl.data.tables.units import LOG_STEPS
 from horizon_dl.errors import InputError
 
@@ -40,7 +39,12 @@ class AttitudeRows:
     notes: tuple[str, ...] = ()
 
 
-def read_attitude_table(path: Path, given: Given = NOTHING_GIVEN) -> AttitudeRows:
+def has_attitude(table: Table) -> bool:
+    """Whether some column is one of an attitude."""
+    return not {"qw", "roll", "pitch"}.isdisjoint(find_columns(table))
+
+
+def read_attitude_table(table: Table, given: Given = NOTHING_GIVEN) -> AttitudeRows:
     """The rows of a table that have a time and an attitude.
 
     Columns are found by their names (`columns.KEYS`), units in the names or by the numbers.
@@ -48,15 +52,15 @@ def read_attitude_table(path: Path, given: Given = NOTHING_GIVEN) -> AttitudeRow
     Raises:
         InputError: missing, a column is missing, a unit is not certain, or no row has an attitude.
     """
-    table = read_table(path)
     columns = find_columns(table)
-    if "qw" not in columns and "time" not in columns and "roll" not in columns:
-        raise InputError(path, f"has no attitude; {table.found}", "needed are time_s, roll_rad, pitch_rad")
+    if not has_attitude(table):
+        needed = "needed are time_s, roll_rad, pitch_rad, or a gyroscope's and an accelerometer's x, y, z"
+        raise InputError(table.path, f"has no attitude; {table.found}", needed)
     times_s, notes = read_times(table, columns, given, LOG_STEPS)
     rows = read_attitudes(table, columns, given)
     good = np.isfinite(times_s) & np.isfinite(rows.quaternions).all(axis=-1)
     if not good.any():
-        raise InputError(path, "holds no attitude", "check that its values are numbers")
+        raise InputError(table.path, "holds no attitude", "check that its values are numbers")
     notes = (*notes, *_restarts(times_s[good]))
     order = np.flatnonzero(good)[np.argsort(times_s[good], kind="stable")]
     return AttitudeRows(
