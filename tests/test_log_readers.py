@@ -111,6 +111,82 @@ def test_pictures_that_only_count_are_not_guessed_at(tmp_path: Path) -> None:
         opened(tmp_path / "set", Given(tmp_path / "camera.yaml", str(tmp_path / "log.csv")))
 
 
+@pytest.fixture
+def counted(tmp_path: Path) -> Given:
+    """Five pictures that only count, of 100 s and every tenth of a second, and a log that pitches up."""
+    for index in range(5):
+        make_sets.save_image(tmp_path / "set" / "left" / f"{index:06d}.png")
+    (tmp_path / "camera.yaml").write_text(make_sets.CAMERA_YAML)
+    rows = "\n".join(f"{99 + n / 50:.2f},0.0,{n / 1000},0.0" for n in range(100))
+    (tmp_path / "log.csv").write_text(f"time_s,roll_rad,pitch_rad,yaw_rad\n{rows}\n")
+    return Given(tmp_path / "camera.yaml", str(tmp_path / "log.csv"))
+
+
+def pitches_rad(recording: Recording) -> np.ndarray:
+    return np.deg2rad(camera_angles_deg(known_ups(recording.headers))[1])
+
+
+RIGHT = pytest.approx([0.05 + 0.005 * index for index in range(5)], abs=1e-6)
+TIMES = {
+    "seconds": [f"{100 + k / 10:.3f}" for k in range(5)],
+    "with a header": ["timestamp", *(f"{100 + k / 10:.3f}" for k in range(5))],
+    "numbered": [f"{k} {100 + k / 10:.3f}" for k in range(5)],
+    "nanoseconds": ["# cam0", *(f"{(1000 + k) * 100_000_000}" for k in range(5))],
+    "milliseconds": [f"{100_000 + 100 * k}" for k in range(5)],
+    "of day": [f"00:01:40.{k}" for k in range(5)],
+    "dates": [f"1970-01-01 00:01:40.{k}00000000" for k in range(5)],
+}
+
+
+@pytest.mark.parametrize("name", ["timestamps.txt", "left/times.txt", "left_timestamps.csv"])
+@pytest.mark.parametrize("kind", TIMES)
+def test_a_list_of_times_beside_the_pictures(tmp_path: Path, counted: Given, kind: str, name: str) -> None:
+    (tmp_path / "set" / name).write_text("\n".join(TIMES[kind]) + "\n")
+    assert pitches_rad(opened(tmp_path / "set" / "left", counted)) == RIGHT
+
+
+@pytest.mark.parametrize(
+    "lines", [TIMES["seconds"][:4], TIMES["seconds"][::-1], ["1", "one", "2", "3", "4"], []]
+)
+def test_a_list_that_does_not_fit_is_named(tmp_path: Path, counted: Given, lines: list[str]) -> None:
+    (tmp_path / "set" / "timestamps.txt").write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match=r"timestamps\.txt"):
+        opened(tmp_path / "set" / "left", counted)
+
+
+LISTS = {
+    "table": ["time_s,file", *(f"{100 + k / 10:.1f},{k:06d}.png" for k in range(5))],
+    "folders": [
+        "# id timestamp image_name",
+        *(f"{k} {100 + k / 10:.1f} left/{k:06d}.png" for k in range(5)),
+    ],
+    "nanoseconds": ["#timestamp [ns],filename", *(f"{(1000 + k) * 10**8},{k:06d}.png" for k in range(5))],
+}
+
+
+@pytest.mark.parametrize("kind", LISTS)
+def test_a_table_of_pictures_and_times(tmp_path: Path, counted: Given, kind: str) -> None:
+    (tmp_path / "set" / "left_images.txt").write_text("\n".join(LISTS[kind]))
+    assert pitches_rad(opened(tmp_path / "set" / "left", counted)) == RIGHT
+    if kind == "folders":
+        assert pitches_rad(opened(tmp_path / "set" / "left_images.txt", counted)) == RIGHT
+
+
+def test_of_two_lists_one_is_chosen(tmp_path: Path, counted: Given) -> None:
+    text = "\n".join(LISTS["folders"])
+    (tmp_path / "set" / "left_images.txt").write_text(text)
+    (tmp_path / "set" / "right_images.txt").write_text(text.replace("left", "right"))
+    for index in range(5):
+        make_sets.save_image(tmp_path / "set" / "right" / f"{index:06d}.png")
+    with pytest.raises(InputError, match=r"left_images\.txt, right_images\.txt; give one of them as DATA"):
+        opened(tmp_path / "set" / "left", counted)
+    recording = opened(tmp_path / "set" / "right_images.txt", counted)
+    assert pitches_rad(recording) == RIGHT
+    assert recording.headers[0].name == "right/000000.png"
+    with pytest.raises(InputError, match=r"has no attitude.*give --attitude LOG"):
+        opened(tmp_path / "set" / "right_images.txt", Given(camera=counted.camera))
+
+
 def test_a_log_beside_a_film_is_taken(tmp_path: Path) -> None:
     make_films.film(tmp_path / "a.mp4", range(0, 1000, 40), size=(32, 24))
     (tmp_path / "camera.yaml").write_text(make_sets.CAMERA_YAML)

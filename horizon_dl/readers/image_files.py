@@ -11,12 +11,15 @@ from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.image_folder import FrameFiles, image_loader, image_recording
+from horizon_dl.data.listed_times import listed_times
 from horizon_dl.data.picture_times import by_shutter, picture_times
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, images_in, natural, relative_name
 from horizon_dl.errors import InputError
 from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.logs.log_recording import headers_by_log
+from horizon_dl.readers import images_csv
+from horizon_dl.readers.frames_table import image_lists
 
 NAME = "pictures"
 NEEDS = "images (predict alone: nothing is known of their attitude)"
@@ -57,10 +60,18 @@ def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Giv
     paths = picture_paths(path)
     times_s = picture_times(paths)
     if times_s is None:
+        lists = image_lists(path) if path.is_dir() else []
+        if len(lists) == 1:
+            return images_csv.read_listed(lists[0], given, path.resolve().name)
+        if lists:
+            found = ", ".join(one.name for one in lists)
+            raise InputError(path, f"has several lists of pictures: {found}", "give one of them as DATA")
+        times_s = listed_times(path, len(paths))
+    if times_s is None:
         raise InputError(
             path,
             "holds pictures whose names and EXIF tell no times: nothing pairs them with the log",
-            "name them by their time (microseconds since boot, seconds, ...) or add frames.csv",
+            "name them by their time, or add timestamps.txt, a line for each, or a table of image and time_s",
         )
     order = np.argsort(times_s, kind="stable")
     paths, times_s = [paths[index] for index in order], times_s[order]

@@ -21,6 +21,7 @@ from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.attitude_columns import convention_of, read_attitudes, read_times
+from horizon_dl.data.tables.attitude_table import has_attitude
 from horizon_dl.data.tables.columns import Column, require
 from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.parsing import MOST_HEIGHT_M, relative_name
@@ -31,7 +32,7 @@ from horizon_dl.geometry.attitude import up_in_camera
 from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.logs.log_recording import headers_by_log
 from horizon_dl.readers.beside import files_beside
-from horizon_dl.readers.frames_table import frames_table, image_paths
+from horizon_dl.readers.frames_table import IMAGE_FOLDERS, frames_table, image_paths
 
 NAME = "images_csv"
 NEEDS = "frames.csv (image,time_s,roll_rad,pitch_rad) and camera.yaml"
@@ -49,6 +50,21 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         InputError: a file, column or field is missing or wrong, or no frame has an attitude.
     """
     path = frames_table(folder) or folder / "frames.csv"
+    return read_listed(path, given)
+
+
+def read_listed(path: Path, given: Given, pictures: str | None = None) -> Recording:
+    """Opens the images that a table lists.
+
+    Args:
+        path: of the table.
+        given: what the user gave.
+        pictures: the folder of the images beside the table, if it is known.
+
+    Raises:
+        InputError: as of `read`.
+    """
+    folder = path.parent
     table = read_table(path)
     columns = find_columns(table)
     require(table, columns, ("image", "time"))
@@ -57,7 +73,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
     for index, cell in enumerate(cells):
         if not cell or not math.isfinite(times[index]):
             raise InputError(path, f"row {index + 1} has no image or no time", "complete or remove the row")
-    images = image_paths(path, cells)
+    images = image_paths(path, cells, IMAGE_FOLDERS if pictures is None else (pictures, *IMAGE_FOLDERS))
     calibration = read_calibration(
         given.camera or folder / "camera.yaml", size=picture_size(images), imu_axes=given.imu_axes
     )
@@ -98,6 +114,9 @@ def _headers(
     given: Given,
 ) -> tuple[list[FrameHeader], tuple[str, ...]]:
     """What the table's own attitudes tell of the frames, and notes."""
+    if not has_attitude(table):
+        hint = "add roll_rad and pitch_rad, or a quaternion, or give --attitude LOG"
+        raise InputError(table.path, f"has no attitude; {table.found}", hint)
     mount = calibration.mount_rpy_rad
     rows = read_attitudes(table, columns, given)
     headers = [
