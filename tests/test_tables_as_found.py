@@ -11,6 +11,7 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.tables.columns import match
 from horizon_dl.data.tables.iso_time import seconds_of_dates
 from horizon_dl.data.tables.table import read_table
+from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy
 from horizon_dl.logs.attitude_logs.csv_table import read as read_attitude_csv
 from horizon_dl.readers.registry import open_recording
@@ -137,3 +138,33 @@ def test_times_of_day_go_on_past_midnight() -> None:
 @pytest.mark.parametrize("name", ["orientation", "disorientation.x", "orientation.u", "orientation.x.sigma"])
 def test_columns_that_only_look_like_a_messages(name: str) -> None:
     assert match(name, "qx") is None
+
+
+BEFORE = {
+    "a flight recorder": '"Product","Blackbox flight data recorder"\n"Firmware","4.5"\n"looptime","125"\n',
+    "a device": "Device: IMU 7\nRecorded on 2024-05-01, 12:00\n\nSerial number;123\n",
+    "names of few": "name,value\nrate,200\n",
+}
+
+
+@pytest.mark.parametrize("before", BEFORE.values(), ids=BEFORE)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_what_a_device_says_of_itself_stands_before_the_table(
+    tmp_path: Path, before: str, separator: str
+) -> None:
+    rows = ["time_s,roll_rad,pitch_rad,yaw_rad", *(f"{k / 10},0.1,-0.2,{k / 100}" for k in range(80))]
+    text = "\n".join(row.replace(",", separator) for row in rows)
+    (tmp_path / "plain.csv").write_text(text)
+    (tmp_path / "log.csv").write_text(before + text)
+    plain, log = (read_attitude_csv(tmp_path / name) for name in ("plain.csv", "log.csv"))
+    np.testing.assert_array_equal(log.times_s, plain.times_s)
+    np.testing.assert_array_equal(log.quaternions, plain.quaternions)
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_a_cell_without_an_end_is_one_line(tmp_path: Path, place: int) -> None:
+    lines = ["time_s,roll_rad,pitch_rad", "0,1,2", "1,2,3"]
+    lines.insert(place, '1,2,"' + "a" * 200_000)
+    (tmp_path / "log.csv").write_text("\n".join(lines))
+    with pytest.raises(InputError, match="is not a CSV file"):
+        read_attitude_csv(tmp_path / "log.csv")

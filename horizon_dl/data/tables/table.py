@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,8 @@ SEPARATORS = ("\t", ";", "|", ",")
 COMMENTS = ("#", "%", "//")
 NOTHING = {"", "-", "--", "na", "n/a", "none", "null", "nan", "#n/a"}
 LOOKED_AT = 50
+MOST_BEFORE = 500
+"""Lines before the one that names the columns."""
 
 
 @dataclass(frozen=True)
@@ -91,28 +94,15 @@ def number(cell: str) -> float:
 
 
 def read_table(path: Path) -> Table:
-    """The table in a text file; its first line that is no comment names the columns.
+    """The table in a text file; the first line that is no comment and as wide as the rows names its columns.
 
     Raises:
         InputError: missing, not text, without rows, or its columns cannot be told apart.
     """
-    lines = read_lines(path)
-    separator = None
-    if lines and re.fullmatch(r'"?sep=(.)"?', lines[0].strip()):  # as Excel writes it
-        separator = lines.pop(0).strip().strip('"')[-1]
-    comments = [line for line in lines if line.lstrip().startswith(COMMENTS)]
-    body = [line for line in lines if not line.lstrip().startswith(COMMENTS)]
-    if len(body) + bool(comments) < 2:
-        raise InputError(path, "has no rows", "give a header line and one line for each sample")
-    separator = separator or find_separator(body[:LOOKED_AT])
-    if comments and any(_is_number(cell) for cell in _cells(body[0], separator)):
-        body.insert(0, comments[-1].lstrip().lstrip("#%/"))
     try:
-        names, *rows = (_cells(line, separator) for line in body)
+        names, rows = _names_and_rows(read_lines(path))
     except csv.Error:
         raise InputError(path, "is not a CSV file", "separate columns with commas") from None
-    while len(names) > 1 and not names[-1]:  # a separator at the end of each line
-        names.pop()
     if not rows:
         raise InputError(path, "has no rows", "give a header line and one line for each sample")
     if any(_is_number(name) for name in names):
@@ -124,6 +114,44 @@ def read_table(path: Path) -> Table:
     width = len(names)
     _drop_cut_off(rows)
     return Table(path, tuple(names), tuple(tuple([*row, *[""] * width][:width]) for row in rows))
+
+
+def _names_and_rows(lines: list[str]) -> tuple[list[str], list[list[str]]]:
+    """The cells of the line that names the columns, and of those below it; none where there are too few.
+
+    Raises:
+        csv.Error: a cell is longer than any.
+    """
+    separator = None
+    if lines and re.fullmatch(r'"?sep=(.)"?', lines[0].strip()):  # as Excel writes it
+        separator = lines[0].strip().strip('"')[-1]
+        lines = lines[1:]
+    comments = [line for line in lines if line.lstrip().startswith(COMMENTS)]
+    body = [line for line in lines if not line.lstrip().startswith(COMMENTS)]
+    if len(body) + bool(comments) < 2:
+        return [], []
+    body = body[_header_line(body) :]
+    separator = separator or find_separator(body[:LOOKED_AT])
+    if comments and any(_is_number(cell) for cell in _cells(body[0], separator)):
+        body.insert(0, comments[-1].lstrip().lstrip("#%/"))
+    names, *rows = (_cells(line, separator) for line in body)
+    while len(names) > 1 and not names[-1]:  # a separator at the end of each line
+        names.pop()
+    return names, rows
+
+
+def _header_line(lines: Sequence[str]) -> int:
+    """The place of the line that names the columns: what a device says of itself may stand before it."""
+    tail = lines[-LOOKED_AT:]
+    separator = find_separator(tail)
+    width = Counter(len(_without_blank_end(_cells(line, separator))) for line in tail).most_common(1)[0][0]
+    for place, line in enumerate(lines[:MOST_BEFORE]):
+        cells = _without_blank_end(_cells(line, separator))
+        if len(cells) == width:
+            return 0 if width == 1 or not all(cells) or any(map(_is_number, cells)) else place
+        if len(cells) > width:
+            return 0
+    return 0
 
 
 def find_separator(lines: Sequence[str]) -> str:
