@@ -64,16 +64,31 @@ def test_the_attitude_is_that_of_the_flight(tmp_path: Path, dialect: str, axes: 
     )
 
 
+XYZ = ("x", "y", "z")
+
+
+def three(name: str, unit: str = "") -> str:
+    return ",".join(name.format(axis) + unit for axis in XYZ)
+
+
 @pytest.mark.parametrize(
     ("header", "rates", "forces"),
     [
         ("t,ax,ay,az,gx,gy,gz", "gx", "ax"),
         ("time,gFx,gFy,gFz,wx,wy,wz", "wx", "gFx"),
         ("t,x_gyro,y_gyro,z_gyro,x_acc,y_acc,z_acc,x_mag,y_mag,z_mag", "x_gyro", "x_acc"),
-        ("t,userAccelerationX,userAccelerationY,userAccelerationZ,accelX,accelY,accelZ,gyroX,gyroY,gyroZ",
-         "gyroX", "accelX"),
-        ("linear acceleration x,linear acceleration y,linear acceleration z,accelerometer x,accelerometer y,"
-         "accelerometer z,gyroscope x,gyroscope y,gyroscope z", "gyroscope x", "accelerometer x"),
+        (f"t,{three('ang_vel_{}')},{three('lin_acc_{}')}", "ang_vel_x", "lin_acc_x"),
+        (f"{three('linear acceleration {}')},{three('accelerometer {}')},{three('gyroscope {}')}",
+         "gyroscope x", "accelerometer x"),
+        (f"t,{three('gyro_{}_bias')},{three('gyro_{}')},{three('acc_{}')}", "gyro_x", "acc_x"),
+        ("t,gyro_x_raw,gyro_x_dps,gyro_y_dps,gyro_y_raw,gyro_z_dps,acc_x,acc_y,acc_z", "gyro_x_dps", "acc_x"),
+        (f"t,{three('imu0_gyro_{}')},{three('imu1_acc_{}')},{three('imu1_gyro_{}')}",
+         "imu1_gyro_x", "imu1_acc_x"),
+        (f"t,{three('left_gyro_{}')},{three('right_acc_{}')}", None, None),
+        (f"t,{three('setpoint_rate_{}')},{three('acc_{}')}", None, None),
+        (f"t,{three('world_acc_{}')},{three('gyro_{}')}", None, None),
+        (f"t,{three('userAcceleration{}')},{three('rotationRate{}')}", None, None),
+        (f"t,{three('gyro_{}', '[mdps]')},{three('acc_{}', '[mg]')}", None, None),
         ("t,acc_x,acc_y,gyro_x,gyro_y,gyro_z", None, None),
         ("t,mag_x,mag_y,mag_z,acc_x,acc_y,acc_z", None, None),
         ("t,roll,pitch,max,relax,axis,proxy,topaz", None, None),
@@ -81,9 +96,20 @@ def test_the_attitude_is_that_of_the_flight(tmp_path: Path, dialect: str, axes: 
 )  # fmt: skip
 def test_columns_by_their_names(header: str, rates: str | None, forces: str | None) -> None:
     found = inertial_columns(header.split(","))
-    assert (rates, forces) == (None, None) if found is None else (found.rates[0], found.forces[0])
-    if found is not None:
-        assert (found.rates[0], found.forces[0]) == (rates, forces)
+    assert (found and found.rates[0], found and found.forces[0]) == (rates, forces)
+
+
+@pytest.mark.parametrize(("factor", "word"), [(1.0, "radians"), (np.rad2deg(1.0), "degrees")])
+def test_a_unit_without_a_name_is_told_by_the_accelerometer(tmp_path: Path, factor: float, word: str) -> None:
+    samples = imu_samples(*flight(), "flu")
+    named = write_imu(tmp_path / "named.csv", samples)
+    header = HEADER.replace("_rad_s", "")
+    path = write_imu(tmp_path / "imu.csv", samples * np.repeat([1, factor, 1], [1, 3, 3]), header)
+    log = read_attitude_log(path, Given(imu_axes="flu"))
+    np.testing.assert_allclose(
+        log.quaternions, read_attitude_log(named, Given(imu_axes="flu")).quaternions, atol=1e-6
+    )
+    assert any(f"read as {word}" in note for note in log.notes)
 
 
 def test_a_table_with_attitudes_is_read_by_them(tmp_path: Path) -> None:
@@ -102,26 +128,73 @@ def test_axes_are_asked_for(tmp_path: Path) -> None:
         read_attitude_log(path, Given(imu_axes="fru"))
 
 
+NO_UNIT = HEADER.replace("_rad_s", "")
+
+
 @pytest.mark.parametrize(
     ("scale", "header", "says"),
     [
-        ((1, 1, 1), HEADER.replace("_rad_s", ""), "the rates have no unit; --angle-unit rad or"),
         ((1, 1, 0.03), HEADER, "neither 9.8 m/s"),
         ((1, 1, 0), HEADER, "neither 9.8 m/s"),
-        ((0, 1, 1), HEADER, "imu.csv"),
+        ((1, np.rad2deg(1.0), 1), HEADER, "do not agree"),
+        ((1, np.rad2deg(131.0), 16384 / 9.81), NO_UNIT, "do not agree"),  # counts of an MPU-6050
+        ((1, 1e9, 1), HEADER, "do not agree"),
         ((1, float("nan"), 1), HEADER, "under 10 samples"),
     ],
 )
 def test_what_is_not_certain_is_one_line(
     tmp_path: Path, scale: tuple[float, ...], header: str, says: str
 ) -> None:
-    samples = imu_samples(*flight(5.0), "flu") * np.repeat(scale, [1, 3, 3])
+    samples = imu_samples(*flight(), "flu") * np.repeat(scale, [1, 3, 3])
     path = write_imu(tmp_path / "imu.csv", samples, header)
-    if scale[0]:
-        with pytest.raises(InputError, match=says):
-            read_attitude_log(path, Given(imu_axes="flu"))
-    else:  # a clock that stands: no attitude is made up, and nothing breaks
-        assert np.isfinite(read_attitude_log(path, Given(imu_axes="flu")).quaternions).all()
+    with pytest.raises(InputError, match=says):
+        read_attitude_log(path, Given(imu_axes="flu"))
+
+
+def test_of_an_imu_that_hardly_turns_the_unit_is_asked_for(tmp_path: Path) -> None:
+    times_s, attitudes = flight()
+    still = Rotation.from_rotvec(0.002 * attitudes.as_rotvec())
+    path = write_imu(tmp_path / "imu.csv", imu_samples(times_s, still, "flu"), NO_UNIT)
+    with pytest.raises(InputError, match="the rates have no unit; --angle-unit rad or --angle-unit deg"):
+        read_attitude_log(path, Given(imu_axes="flu"))
+    assert read_attitude_log(path, Given(imu_axes="flu", angle_unit="rad")).of_imu
+
+
+def test_a_clock_that_starts_anew_is_refused(tmp_path: Path) -> None:
+    samples = imu_samples(*flight(), "flu")
+    samples[len(samples) // 2 :, 0] -= samples[len(samples) // 2, 0]
+    with pytest.raises(InputError, match="starts anew; cut the table there"):
+        read_attitude_log(write_imu(tmp_path / "imu.csv", samples), Given(imu_axes="flu"))
+
+
+def test_a_clock_that_stands_makes_no_attitude_up(tmp_path: Path) -> None:
+    samples = imu_samples(*flight(5.0), "flu") * np.repeat([0, 1, 1], [1, 3, 3])
+    log = read_attitude_log(write_imu(tmp_path / "imu.csv", samples), Given(imu_axes="flu"))
+    assert log.header("a", 2.0, (0.0, 0.0, 0.0)).up_cam is None
+
+
+def test_a_fast_imus_clock_counts_microseconds(tmp_path: Path) -> None:
+    times_s, attitudes = flight(4.0)
+    samples = imu_samples(times_s, attitudes, "flu", rate_hz=4000.0) * np.repeat([1e6, 1, 1], [1, 3, 3])
+    header = HEADER.replace("time_s", "time")
+    log = read_attitude_log(write_imu(tmp_path / "imu.csv", samples, header), Given(imu_axes="flu"))
+    assert np.ptp(log.times_s) == pytest.approx(times_s[-1], abs=0.01)
+
+
+def test_sensors_may_take_turns_in_the_rows(tmp_path: Path) -> None:
+    samples = imu_samples(*flight(), "flu")
+    whole = write_imu(tmp_path / "whole.csv", samples)
+    head, *lines = whole.read_text().splitlines()
+    cells = [line.split(",") for line in lines]
+    turns = [
+        [*row[:4], "", "", ""] if k % 2 else [row[0], "", "", "", *row[4:]] for k, row in enumerate(cells)
+    ]
+    (tmp_path / "imu.csv").write_text("\n".join([head, *(",".join(row) for row in turns)]))
+    logs = [read_attitude_log(path, Given(imu_axes="flu")) for path in (whole, tmp_path / "imu.csv")]
+    at = logs[0].times_s[1::2]
+    np.testing.assert_allclose(logs[1].times_s, at, atol=1e-5)
+    first, second = (ups(Rotation.from_quat(np.roll(log.quaternions, -1, axis=1))) for log in logs)
+    assert angles_apart_deg(first[1::2], second).max() < 0.5
 
 
 @pytest.fixture
@@ -175,4 +248,9 @@ def test_a_camera_file_that_leads_to_the_imu_needs_no_axes(axes: str | None) -> 
     own = open_recording(DATA / "euroc_sample")
     first, second = (np.array([one.up_cam for one in each.headers]) for each in (found, own))
     assert len(first) == len(second) == 16
+    if axes is None:  # the body is the camera: bearings are the camera's
+        assert found.mount_rpy_rad == (0.0, 0.0, 0.0)
+        assert any(
+            "taken as the samples of the IMU that sensor.yaml leads to" in note for note in found.notes
+        )
     assert angles_apart_deg(first, second).max() < 1.0  # one looks ahead in time, the other does not

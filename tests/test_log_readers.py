@@ -130,6 +130,10 @@ RIGHT = pytest.approx([0.05 + 0.005 * index for index in range(5)], abs=1e-6)
 TIMES = {
     "seconds": [f"{100 + k / 10:.3f}" for k in range(5)],
     "with a header": ["timestamp", *(f"{100 + k / 10:.3f}" for k in range(5))],
+    "exponents": [f"{100 + k / 10:.6e}" for k in range(5)],
+    "with an exposure": [f"{k} {100 + k / 10:.3f} {10.5 + k}" for k in range(5)],
+    "seconds and nanoseconds": ["sec,nsec", *(f"{100},{k * 10**8}" for k in range(5))],
+    "named second": ["timestamp,frame_id", *(f"{100 + k / 10:.3f},{1000 + 40 * k}" for k in range(5))],
     "numbered": [f"{k} {100 + k / 10:.3f}" for k in range(5)],
     "nanoseconds": ["# cam0", *(f"{(1000 + k) * 100_000_000}" for k in range(5))],
     "milliseconds": [f"{100_000 + 100 * k}" for k in range(5)],
@@ -146,7 +150,17 @@ def test_a_list_of_times_beside_the_pictures(tmp_path: Path, counted: Given, kin
 
 
 @pytest.mark.parametrize(
-    "lines", [TIMES["seconds"][:4], TIMES["seconds"][::-1], ["1", "one", "2", "3", "4"], []]
+    "lines",
+    [
+        TIMES["seconds"][:4],
+        TIMES["seconds"][::-1],
+        ["1", "one", "2", "3", "4"],
+        [],
+        ["0", "1", "2", "3", "4"],
+        [f"{100_000 + 5 * k}" for k in range(5)],  # 200 a second, or one in 5 seconds
+        [f"{100 + k} {300 + k}" for k in range(5)],
+        ["name", *"abcde"],
+    ],
 )
 def test_a_list_that_does_not_fit_is_named(tmp_path: Path, counted: Given, lines: list[str]) -> None:
     (tmp_path / "set" / "timestamps.txt").write_text("\n".join(lines) + "\n")
@@ -172,19 +186,53 @@ def test_a_table_of_pictures_and_times(tmp_path: Path, counted: Given, kind: str
         assert pitches_rad(opened(tmp_path / "set" / "left_images.txt", counted)) == RIGHT
 
 
-def test_of_two_lists_one_is_chosen(tmp_path: Path, counted: Given) -> None:
+def test_each_camera_has_its_own_list(
+    tmp_path: Path, counted: Given, monkeypatch: pytest.MonkeyPatch
+) -> None:
     text = "\n".join(LISTS["folders"])
-    (tmp_path / "set" / "left_images.txt").write_text(text)
-    (tmp_path / "set" / "right_images.txt").write_text(text.replace("left", "right"))
     for index in range(5):
         make_sets.save_image(tmp_path / "set" / "right" / f"{index:06d}.png")
-    with pytest.raises(InputError, match=r"left_images\.txt, right_images\.txt; give one of them as DATA"):
+    (tmp_path / "set" / "right_images.txt").write_text(text.replace("left", "right"))
+    with pytest.raises(InputError, match="tell no times"):  # the list of the other camera
         opened(tmp_path / "set" / "left", counted)
+    (tmp_path / "set" / "left_images.txt").write_text(text)
+    for path in (tmp_path / "set" / "left", tmp_path / "set" / "right"):
+        recording = opened(path, counted)
+        assert pitches_rad(recording) == RIGHT
+        assert (recording.name, recording.headers[0].name) == (path.name, "000000.png")
+    monkeypatch.chdir(tmp_path / "set" / "left")
+    assert pitches_rad(opened(Path(), counted)) == RIGHT
     recording = opened(tmp_path / "set" / "right_images.txt", counted)
-    assert pitches_rad(recording) == RIGHT
     assert recording.headers[0].name == "right/000000.png"
     with pytest.raises(InputError, match=r"has no attitude.*give --attitude LOG"):
         opened(tmp_path / "set" / "right_images.txt", Given(camera=counted.camera))
+
+
+def test_of_two_lists_of_the_same_pictures_one_is_chosen(tmp_path: Path, counted: Given) -> None:
+    for name in ("a.txt", "b.txt"):
+        (tmp_path / "set" / name).write_text("\n".join(LISTS["folders"]))
+    with pytest.raises(InputError, match=r"a\.txt, b\.txt; give one of them as DATA"):
+        opened(tmp_path / "set" / "left", counted)
+    for name in ("times.txt", "timestamps.txt"):
+        (tmp_path / "set" / name).write_text("\n".join(TIMES["seconds"]))
+    for name in ("a.txt", "b.txt"):
+        (tmp_path / "set" / name).unlink()
+    with pytest.raises(InputError, match=r"times\.txt, timestamps\.txt; leave one"):
+        opened(tmp_path / "set" / "left", counted)
+
+
+def test_another_sensors_times_are_not_the_cameras(tmp_path: Path, counted: Given) -> None:
+    (tmp_path / "set" / "imu_timestamps.txt").write_text("\n".join(f"{k / 50}" for k in range(60)))
+    (tmp_path / "set" / "right_timestamps.txt").write_text("\n".join(TIMES["seconds"]))
+    with pytest.raises(InputError, match="tell no times"):
+        opened(tmp_path / "set" / "left", counted)
+    (tmp_path / "set" / "timestamps.txt").write_text("\n".join(TIMES["seconds"]))
+    assert pitches_rad(opened(tmp_path / "set" / "left", counted)) == RIGHT
+
+
+def test_an_attitude_without_a_camera_is_not_left_out_in_silence(counted: Given, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="give --camera FILE"):
+        opened(tmp_path / "set" / "left", Given(attitude=counted.attitude, needs_attitude=False))
 
 
 def test_a_log_beside_a_film_is_taken(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from horizon_dl.calibration.candidate import Wanted, choose
 from horizon_dl.calibration.fields import Fields
-from horizon_dl.calibration.mount import ImuMount, Mount, mount_of
+from horizon_dl.calibration.mount import ImuMount, Mount, mount_of, rotation_of_axes
 from horizon_dl.calibration.registry import cameras_in
 from horizon_dl.calibration.tree import read_tree
 from horizon_dl.errors import InputError
@@ -57,13 +57,13 @@ def read_calibration(
 
     In every kind these fields may stand beside the kind's own: `rotate_image` (90ccw, 90cw, 180: how the
     stored image is turned), `mount_rpy_deg` (the mount, in place of what the file says), `imu_axes` (of the
-    IMU that the file leads to, as flu), `use_camera` (which of several).
+    IMU that the file leads to, or whose samples are the attitude, as flu), `use_camera` (which of several).
 
     Args:
         path: the file; `FILE#NAME` takes the camera of that name.
         size: width and height of the images, pixels, to choose among several cameras by.
         name: of the camera, or its topic.
-        imu_axes: of the IMU that the file leads to.
+        imu_axes: of the IMU that the file leads to, or whose samples are the attitude.
 
     Raises:
         InputError: not readable, of a kind or lens that is not known, a field is missing or wrong, several
@@ -81,6 +81,8 @@ def read_calibration(
     wanted = Wanted(upright, name or fields.text("use_camera") or None)
     found, choice = choose(path, cameras_in(fields, wanted), wanted)
     axes = imu_axes or fields.text("imu_axes") or None
+    if axes is not None:
+        rotation_of_axes(axes, "--imu-axes" if imu_axes else path)
     mount = mount_of(fields, found, axes)
     return Calibration(found.camera, QUARTER_TURNS_CCW[turn], mount, (*found.notes, *choice), axes)
 

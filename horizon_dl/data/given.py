@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-MAVLINK = "mavlink:"
-"""An attitude that begins so is that of an autopilot, for a camera; its address follows."""
+MAVLINK, CONSTANT = "mavlink:", "constant:"
+"""How attitudes begin that are no files: of an autopilot, for a camera, or one that stays."""
 
 
 @dataclass(frozen=True)
@@ -15,11 +15,12 @@ class Given:
         camera: a calibration file, `--camera`.
         attitude: `--attitude`: a log, `constant:ROLL,PITCH` in degrees, `from-images`, or `mavlink:URL`.
         time_offset_s: `--time-offset`: is added to the times of the log to give those of the images.
-        imu_axes: `--imu-axes`: of the IMU that a calibration file leads to, as flu; see `geometry.axes`.
+        imu_axes: `--imu-axes`: of the IMU that a calibration file leads to, or whose samples are the
+            attitude, as flu; see `geometry.axes`.
         convention: `--convention`: how the attitude's numbers are to be read, see `data.convention`.
         needs_attitude: a recording without any attitude is refused.
         time_unit: `--time-unit`: s, ms, us or ns, of the clock in a table.
-        angle_unit: `--angle-unit`: rad or deg, of the angles in a table.
+        angle_unit: `--angle-unit`: rad or deg, of the angles, or rates, in a table.
         topics: of a bag, `--topic`: which of several are meant.
         time_drift_ppm: by how much the images' clock is faster than the log's, millionths.
         find_offset: `--time-offset auto`: offset and drift are found from the pictures.

@@ -6,51 +6,79 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from horizon_dl.data.picture_times import NUMBER, times_of_numbers
-from horizon_dl.data.tables.iso_time import seconds_of_dates
-from horizon_dl.data.tables.table import COMMENTS
+from horizon_dl.data.given import Given
+from horizon_dl.data.regular_file import files_in
+from horizon_dl.data.tables.attitude_columns import read_times
+from horizon_dl.data.tables.find_columns import find_columns
+from horizon_dl.data.tables.table import COMMENTS, Table, number, read_table
 from horizon_dl.data.tables.text import read_lines
+from horizon_dl.data.tables.units import CAMERA_STEPS
 from horizon_dl.errors import InputError
 
 Floats = NDArray[np.float64]
 
-NAME = re.compile(r"(.*[_-])?(time_?stamps?|times|stamps)\.(txt|csv|tsv)")
+NAME = re.compile(r"(?:(.*)[_-])?(?:time_?stamps?|times|stamps)\.(?:txt|csv|tsv)")
+"""Names of lists; what stands before is the name of their folder of pictures."""
 
 
-def listed_times(folder: Path, count: int) -> Floats | None:
-    """Times (N,) s of a folder's pictures, in the order of their names; None: there is no list.
+def listed_times(pictures: Path, count: int, given: Given) -> tuple[Floats, tuple[str, ...]] | None:
+    """Times (N,) s of a folder's pictures, in the order of their names, and notes; None: there is no list.
 
     Raises:
-        InputError: it has not as many lines as there are pictures, or they are no times that grow.
+        InputError: several lists; or one that has not as many lines as there are pictures, or no times that
+            grow.
     """
-    path = _list_of(folder)
-    if path is None:
+    lists = _beside(pictures)
+    if not lists:
         return None
-    lines = [line.strip() for line in read_lines(path) if not line.lstrip().startswith(COMMENTS)]
-    if lines and not lines[0][:1].isdigit():  # names of columns
-        del lines[0]
-    if len(lines) != count:
-        problem = f"has {len(lines)} lines for {count} pictures"
-        raise InputError(path, problem, "give a line for each, or a table of image and time_s")
-    times_s = seconds_of_dates(lines)
-    if times_s is None:
-        times_s = _of_columns([re.split(r"[,;\s]+", line) for line in lines])
-    if times_s is None or not (np.diff(times_s) > 0).all():
-        raise InputError(path, "holds no times that grow", "give a time for each picture, or a table")
-    return times_s
+    if len(lists) > 1:
+        names = ", ".join(path.name for path in lists)
+        raise InputError(pictures, f"has several lists of times: {names}", "leave one of them there")
+    table = _table(lists[0])
+    if len(table.rows) != count:
+        problem = f"has {len(table.rows)} lines for {count} pictures"
+        raise InputError(table.path, problem, "give a line for each, or a table of image and time_s")
+    times_s, notes = read_times(table, find_columns(table), given, CAMERA_STEPS)
+    steps = np.diff(times_s)
+    if not (steps > 0).all() or (given.time_unit is None and count > 1 and (steps == 1.0).all()):
+        raise InputError(table.path, "holds no times that grow, or counts", "give a time for each picture")
+    return times_s, notes
 
 
-def _list_of(folder: Path) -> Path | None:
-    places = [place for place in (folder, folder.resolve().parent) if place.is_dir()]
-    files = (file for place in places for file in sorted(place.iterdir()))
-    return next((file for file in files if NAME.fullmatch(file.name.lower()) and file.is_file()), None)
+def _beside(pictures: Path) -> list[Path]:
+    """Files in the folder, or else beside it."""
+    pictures = pictures.resolve()
+    for folder in (pictures, pictures.parent):
+        found = [path for path in files_in(folder) if _is_of(path, pictures)]
+        if found:
+            return found
+    return []
 
 
-def _of_columns(rows: list[list[str]]) -> Floats | None:
-    """The last column of numbers that may be times: what stands before it is a number of the picture."""
-    for column in reversed(list(zip(*rows, strict=False))):
-        if all(NUMBER.fullmatch(cell) for cell in column):
-            times_s = times_of_numbers(column, may_count=False)
-            if times_s is not None:
-                return times_s
-    return None
+def _is_of(path: Path, pictures: Path) -> bool:
+    found = NAME.fullmatch(path.name.lower())
+    return found is not None and found[1] in (None, pictures.resolve().name.lower())
+
+
+def _table(path: Path) -> Table:
+    """The list with names for its columns: its own, or those of lines `time` and `number time`."""
+    lines = [line.strip() for line in read_lines(path)]
+    bare = [line for line in lines if not line.startswith(COMMENTS)]
+    if not bare:
+        raise InputError(path, "holds no times", "give a line for each picture")
+    if not re.match(r"[-+.\d]", bare[0]):
+        return read_table(path)
+    if re.search(r"\d:\d", bare[0]):  # dates and times of day have blanks in them
+        return Table(path, ("time",), tuple((line,) for line in bare))
+    rows = [re.split(r"[,;\s]+", line) for line in bare]
+    place = 1 if min(map(len, rows)) > 1 and _counts([row[0] for row in rows]) else 0
+    if place == 0 and max(map(len, rows)) > 1:
+        raise InputError(path, "has several columns without names", "name them, the times time_s")
+    return Table(path, ("time",), tuple((row[place],) for row in rows))
+
+
+def _counts(cells: list[str]) -> bool:
+    try:
+        return bool((np.diff([number(cell) for cell in cells]) == 1).all())
+    except ValueError:
+        return False

@@ -82,27 +82,21 @@ def _of_numbers(found: Sequence[Sequence[str]]) -> Floats | None:
         if _is_epoch(seconds) and len(lengths) == 1 and lengths <= set(FRACTIONS):
             return np.array([float(f"{s}.{r}") for s, r in zip(seconds, rest, strict=True)])
     changing = [column for column in columns if len(set(column)) > 1]
-    return times_of_numbers(changing[-1] if changing else columns[-1])
+    return _of_column(changing[-1] if changing else columns[-1])
 
 
 def _is_epoch(texts: Sequence[str]) -> bool:
     return all(len(text) == 10 and float(text) > 5e8 for text in texts)
 
 
-def times_of_numbers(texts: Sequence[str], *, may_count: bool = True) -> Floats | None:
-    """Times (N,) s of numbers as they are written; None where they are in no unit a camera's times.
-
-    Args:
-        texts: the numbers.
-        may_count: they may be numbers of frames, which are no times.
-    """
+def _of_column(texts: Sequence[str]) -> Floats | None:
     values = np.array([float(text) for text in texts])
     digits = {len(text.split(".")[0]) for text in texts}
     if len(digits) == 1 and (unit := EPOCH_UNITS.get(next(iter(digits)))) and values.min() * unit > 5e8:
         return values * unit
     steps = np.diff(np.sort(values))
     step = float(np.median(steps)) if len(steps) else 0.0
-    if step <= 0 or (may_count and not any("." in text for text in texts) and _counts(texts, steps)):
+    if step <= 0 or (not any("." in text for text in texts) and _counts(texts, steps)):
         return None
     for unit in UNITS:
         if RATES_HZ[0] <= 1.0 / (step * unit) <= RATES_HZ[1]:

@@ -46,6 +46,14 @@ def check_regular(path: Path, most_bytes: int | None = None) -> None:
         raise InputError(path, f"is larger than {most_bytes // 1024} KB", "check that it is the right file")
 
 
+def files_in(folder: Path) -> list[Path]:
+    """Files of a folder by name; none where it may not be listed."""
+    try:
+        return sorted(path for path in folder.iterdir() if path.is_file())
+    except OSError:
+        return []
+
+
 def read_regular(path: Path, most_bytes: int = MOST_TEXT) -> str:
     """The text of a file in UTF-8.
 

@@ -2,10 +2,14 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from horizon_dl.calibration.calibration import Calibration
 from horizon_dl.calibration.mount import ImuMount
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import Given
+from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD
 from horizon_dl.logs.attitude_logs.registry import read_attitude
 
 
@@ -14,15 +18,22 @@ def camera_and_log(
 ) -> tuple[Calibration, AttitudeLog | ConstantAttitude]:
     """Reads what `--attitude` names; an IMU's samples are turned into the body by the axes that are stated.
 
-    A camera file that leads to the IMU itself needs no statement for these: whatever its axes are called,
-    samples and mount are in the same ones.
+    Where no axes are stated, and the camera's file leads to the IMU, its samples are turned into the camera:
+    the body is the camera then, and heading and bearings are its own.
 
     Raises:
         InputError: see `read_attitude`; AxesNotStatedError where an IMU's axes have to be known.
     """
-    leads_to_imu = isinstance(calibration.mount, ImuMount)
-    axes = calibration.imu_axes or ("frd" if leads_to_imu else None)
-    log = read_attitude(attitude, replace(given, imu_axes=axes))
-    if isinstance(calibration.mount, ImuMount) and isinstance(log, AttitudeLog) and log.of_imu:
-        calibration = replace(calibration, mount=calibration.mount.rpy("frd"))
-    return calibration, log
+    stated = replace(given, imu_axes=calibration.imu_axes)
+    if not isinstance(calibration.mount, ImuMount):
+        return calibration, read_attitude(attitude, stated)
+    imu_from_camera = np.array(calibration.mount.imu_from_camera).reshape(3, 3)
+    log = read_attitude(attitude, stated, OPTICAL_FROM_FRD.T @ imu_from_camera.T)
+    if not isinstance(log, AttitudeLog) or not log.of_imu:
+        return calibration, log
+    taken = Doubt(
+        f"{attitude} is taken as the samples of the IMU that {calibration.mount.path.name} leads to; if it "
+        "is of another one, state its axes (--imu-axes) and the camera's mount in the body (mount_rpy_deg)"
+    )
+    log = replace(log, notes=(*log.notes, taken))
+    return replace(calibration, mount=(0.0, 0.0, 0.0)), log

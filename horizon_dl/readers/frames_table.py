@@ -1,19 +1,30 @@
 """Finds the tables that list the images of a folder, and the images that they name."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 from unicodedata import normalize
 
-from horizon_dl.data.tables.columns import Column
+import numpy as np
+from numpy.typing import NDArray
+
+from horizon_dl.data.given import Given
+from horizon_dl.data.regular_file import files_in
+from horizon_dl.data.tables.attitude_columns import has_attitude, read_times
+from horizon_dl.data.tables.columns import Column, require
 from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, images_in, inside_folder
-from horizon_dl.data.tables.table import read_table
+from horizon_dl.data.tables.table import Table, read_table
+from horizon_dl.data.tables.units import CAMERA_STEPS
 from horizon_dl.errors import InputError
+
+Floats = NDArray[np.float64]
 
 NAMES = ("frames.csv", "frames.tsv", "frames.txt")
 SUFFIXES = {".csv", ".tsv", ".txt"}
 IMAGE_FOLDERS = ("images", "image", "imgs", "img", "frames", "rgb", "data", "pictures", "photos", "cam0")
-LARGEST_BYTES = 50_000_000
+HEAD_BYTES = 1 << 16
+"""Enough of a table to see what it lists."""
 MOST_TABLES = 20
 
 
@@ -28,18 +39,44 @@ def frames_table(path: Path) -> Path | None:
     named = [table for table in files if table.name.lower() in NAMES]
     if named:
         return min(named, key=lambda table: NAMES.index(table.name.lower()))
-    fitting = [table for table in files[:MOST_TABLES] if _has_attitudes(_listing(table) or {})]
+    fitting = [table for table in files[:MOST_TABLES] if has_attitude(_listing(table) or {})]
     return fitting[0] if len(fitting) == 1 else None
 
 
 def image_lists(pictures: Path) -> list[Path]:
-    """Tables of images and times, with or without attitudes, in a folder of pictures; else beside it."""
+    """Tables of the images in a folder and of their times, with or without attitudes: in it, or beside it."""
+    pictures = pictures.resolve()
     for folder in (pictures, pictures.parent):
         tables = _tables_in(folder)[:MOST_TABLES]
-        found = [table for table in tables if _listing(table, (pictures.name,)) is not None]
+        found = [table for table in tables if _listing(table, pictures) is not None]
         if found:
             return found
     return []
+
+
+def listed_images(
+    table: Table, columns: dict[str, Column], given: Given, pictures: Path | None = None
+) -> tuple[list[Path], Floats, tuple[str, ...]]:
+    """The images that a table lists, their times (N,) s, and notes.
+
+    Args:
+        table: with the columns.
+        columns: by role.
+        given: the times' unit.
+        pictures: the folder of the images, if it is known.
+
+    Raises:
+        InputError: no such columns, a row without image or time, a name that leaves the table's folder.
+    """
+    require(table, columns, ("image", "time"))
+    times_s, notes = read_times(table, columns, given, CAMERA_STEPS)
+    cells = table.texts(columns["image"].name)
+    for index, cell in enumerate(cells):
+        if not cell or not math.isfinite(times_s[index]):
+            problem = f"row {index + 1} has no image or no time"
+            raise InputError(table.path, problem, "complete or remove the row")
+    folders = IMAGE_FOLDERS if pictures is None else (pictures.resolve().name, *IMAGE_FOLDERS)
+    return image_paths(table.path, cells, folders), times_s, notes
 
 
 def image_paths(table: Path, cells: list[str], folders: Sequence[str] = IMAGE_FOLDERS) -> list[Path]:
@@ -91,34 +128,27 @@ def _is_there(table: Path, name: str) -> bool:
 
 
 def _tables_in(folder: Path) -> list[Path]:
-    if not folder.is_dir():
-        return []
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file())
+    return [path for path in files_in(folder) if path.suffix.lower() in SUFFIXES]
 
 
-def _has_attitudes(columns: Mapping[str, Column]) -> bool:
-    """Whether columns by role are those of a whole attitude."""
-    return {"roll", "pitch"} <= columns.keys() or {"qw", "qx", "qy", "qz"} <= columns.keys()
-
-
-def _listing(path: Path, folders: Sequence[str] = ()) -> dict[str, Column] | None:
-    """The columns of a table that lists images and times, and of which the first image is there."""
-    if path.stat().st_size > LARGEST_BYTES:
-        return None
+def _listing(path: Path, pictures: Path | None = None) -> dict[str, Column] | None:
+    """The columns of a table that lists images, as far as the first is there (in a folder), and times."""
     try:
-        table = read_table(path)
+        table = read_table(path, HEAD_BYTES)
     except InputError:
         return None
     columns = find_columns(table)
     if not {"image", "time"} <= columns.keys():
         return None
     name = table.texts(columns["image"].name)[0]
-    there = name.lower().endswith(IMAGE_SUFFIXES) and _first_is_there(path, name, folders)
+    there = name.lower().endswith(IMAGE_SUFFIXES) and _first_is_there(path, name, pictures)
     return columns if there else None
 
 
-def _first_is_there(path: Path, name: str, folders: Sequence[str]) -> bool:
+def _first_is_there(path: Path, name: str, pictures: Path | None) -> bool:
+    folders = IMAGE_FOLDERS if pictures is None else (pictures.name, *IMAGE_FOLDERS)
     try:
-        return image_paths(path, [name], (*folders, *IMAGE_FOLDERS))[0].is_file()
+        first = image_paths(path, [name], folders)[0]
     except InputError:
         return False
+    return first.is_file() and (pictures is None or first.resolve().parent == pictures)

@@ -11,15 +11,13 @@ from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import Given
 from horizon_dl.data.image_folder import FrameFiles, image_loader, image_recording
-from horizon_dl.data.listed_times import listed_times
 from horizon_dl.data.picture_times import by_shutter, picture_times
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, images_in, natural, relative_name
 from horizon_dl.errors import InputError
 from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.logs.log_recording import headers_by_log
-from horizon_dl.readers import images_csv
-from horizon_dl.readers.frames_table import image_lists
+from horizon_dl.readers.times_beside import times_beside
 
 NAME = "pictures"
 NEEDS = "images (predict alone: nothing is known of their attitude)"
@@ -37,6 +35,8 @@ def read(path: Path, given: Given) -> Recording:
     Raises:
         InputError: an attitude is needed, and pictures have none, or no times to find it in the log.
     """
+    if given.attitude is not None and given.camera is None:
+        raise InputError(path, "has an attitude, but no camera", "give --camera FILE beside --attitude")
     if given.camera is not None and given.attitude is not None:
         calibration = read_calibration(given.camera, imu_axes=given.imu_axes)
         calibration, attitude = camera_and_log(calibration, given.attitude, given)
@@ -59,14 +59,10 @@ def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Giv
     """Pictures and a log, paired by time."""
     paths = picture_paths(path)
     times_s = picture_times(paths)
-    if times_s is None:
-        lists = image_lists(path) if path.is_dir() else []
-        if len(lists) == 1:
-            return images_csv.read_listed(lists[0], given, path.resolve().name)
-        if lists:
-            found = ", ".join(one.name for one in lists)
-            raise InputError(path, f"has several lists of pictures: {found}", "give one of them as DATA")
-        times_s = listed_times(path, len(paths))
+    listed = times_beside(path, paths, given) if times_s is None and path.is_dir() else None
+    of_list: tuple[str, ...] = ()
+    if listed is not None:
+        paths, times_s, of_list = listed
     if times_s is None:
         raise InputError(
             path,
@@ -100,7 +96,7 @@ def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Giv
             attitude_from="--attitude",
             rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
             mount_rpy_rad=calibration.mount_rpy_rad,
-            notes=(*calibration.notes, *notes),
+            notes=(*calibration.notes, *of_list, *notes),
             reading=reading_with(Convention(), calibration.mount_rpy_rad),
             needs_attitude=not given.find_offset,
         ),

@@ -5,7 +5,6 @@ yaw_rad and height_m. The attitude is the body's (FRD in NED); a blank or NaN at
 has none. A table of another name, or with other names of columns, is taken if it is the only one that fits.
 """
 
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,19 +19,17 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.source import Recording
-from horizon_dl.data.tables.attitude_columns import convention_of, read_attitudes, read_times
-from horizon_dl.data.tables.attitude_table import has_attitude
-from horizon_dl.data.tables.columns import Column, require
+from horizon_dl.data.tables.attitude_columns import convention_of, read_attitudes
+from horizon_dl.data.tables.columns import Column
 from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.parsing import MOST_HEIGHT_M, relative_name
 from horizon_dl.data.tables.table import Table, read_table
-from horizon_dl.data.tables.units import CAMERA_STEPS
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import up_in_camera
 from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.logs.log_recording import headers_by_log
 from horizon_dl.readers.beside import files_beside
-from horizon_dl.readers.frames_table import IMAGE_FOLDERS, frames_table, image_paths
+from horizon_dl.readers.frames_table import frames_table, listed_images
 
 NAME = "images_csv"
 NEEDS = "frames.csv (image,time_s,roll_rad,pitch_rad) and camera.yaml"
@@ -50,30 +47,10 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         InputError: a file, column or field is missing or wrong, or no frame has an attitude.
     """
     path = frames_table(folder) or folder / "frames.csv"
-    return read_listed(path, given)
-
-
-def read_listed(path: Path, given: Given, pictures: str | None = None) -> Recording:
-    """Opens the images that a table lists.
-
-    Args:
-        path: of the table.
-        given: what the user gave.
-        pictures: the folder of the images beside the table, if it is known.
-
-    Raises:
-        InputError: as of `read`.
-    """
     folder = path.parent
     table = read_table(path)
     columns = find_columns(table)
-    require(table, columns, ("image", "time"))
-    times, notes = read_times(table, columns, given, CAMERA_STEPS)
-    cells = table.texts(columns["image"].name)
-    for index, cell in enumerate(cells):
-        if not cell or not math.isfinite(times[index]):
-            raise InputError(path, f"row {index + 1} has no image or no time", "complete or remove the row")
-    images = image_paths(path, cells, IMAGE_FOLDERS if pictures is None else (pictures, *IMAGE_FOLDERS))
+    images, times, notes = listed_images(table, columns, given)
     calibration = read_calibration(
         given.camera or folder / "camera.yaml", size=picture_size(images), imu_axes=given.imu_axes
     )
@@ -114,7 +91,7 @@ def _headers(
     given: Given,
 ) -> tuple[list[FrameHeader], tuple[str, ...]]:
     """What the table's own attitudes tell of the frames, and notes."""
-    if not has_attitude(table):
+    if {"qw", "roll", "pitch"}.isdisjoint(columns):
         hint = "add roll_rad and pitch_rad, or a quaternion, or give --attitude LOG"
         raise InputError(table.path, f"has no attitude; {table.found}", hint)
     mount = calibration.mount_rpy_rad

@@ -4,11 +4,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from horizon_dl.calibration.calibration import read_calibration
-from horizon_dl.data.attitude_log import AttitudeLog
-from horizon_dl.data.given import MAVLINK, NOTHING_GIVEN, Given
+from horizon_dl.data.given import CONSTANT, MAVLINK, NOTHING_GIVEN, Given
 from horizon_dl.data.source import FrameSource, Recording
 from horizon_dl.errors import InputError
-from horizon_dl.logs.attitude_logs.registry import read_attitude
+from horizon_dl.logs.attitude_logs.registry import constant_attitude
 from horizon_dl.logs.clock.align import on_found_clock
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.sources.camera import CameraSource, is_live
@@ -51,9 +50,10 @@ def open_source(
             raise InputError("--camera", "is missing", "name the calibration that holds the mount")
         url = given.attitude.removeprefix(MAVLINK)
         return WithAutopilot(CameraSource(str(where), calibration, delay_s=delay_s), lambda: link(url))
-    attitude = None if given.attitude is None else read_attitude(given.attitude)
-    if isinstance(attitude, AttitudeLog):
-        raise InputError(f"--attitude {given.attitude}", "is the log of a recording", "give mavlink:URL")
+    if given.attitude is not None and not given.attitude.startswith(CONSTANT):
+        problem = "is no attitude of a camera: a log is of a recording"
+        raise InputError(f"--attitude {given.attitude}", problem, "give mavlink:URL or constant:ROLL,PITCH")
+    attitude = None if given.attitude is None else constant_attitude(given.attitude)
     return CameraSource(str(where), calibration, delay_s=delay_s, attitude=attitude)
 
 

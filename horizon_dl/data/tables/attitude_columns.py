@@ -1,7 +1,7 @@
 """Time, attitude and height from the columns of a table."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -51,6 +51,11 @@ class AttitudeColumns:
     as_read: Floats | None = None
 
 
+def has_attitude(columns: Mapping[str, Column]) -> bool:
+    """Whether columns by role are those of a whole attitude."""
+    return {"roll", "pitch"} <= columns.keys() or set(QUATERNION) <= columns.keys()
+
+
 def read_times(table: Table, columns: Columns, given: Given, steps: Steps) -> tuple[Floats, tuple[str, ...]]:
     """(N,) s, NaN for blank cells, and a note where the unit is not the one that the column names.
 
@@ -94,7 +99,7 @@ def _read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeCol
     heights_m = _optional(table, columns, "height")
     if "height" in columns:
         heights_m *= LENGTH_UNITS[columns["height"].unit or "m"]
-    if all(role in columns for role in QUATERNION):
+    if set(QUATERNION) <= columns.keys():
         return _from_quaternions(table, columns, heights_m)
     require(table, columns, ("roll", "pitch"))
     angles, notes = _angles_rad(table, columns, given)

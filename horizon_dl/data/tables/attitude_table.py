@@ -39,11 +39,6 @@ class AttitudeRows:
     notes: tuple[str, ...] = ()
 
 
-def has_attitude(table: Table) -> bool:
-    """Whether some column is one of an attitude."""
-    return not {"qw", "roll", "pitch"}.isdisjoint(find_columns(table))
-
-
 def read_attitude_table(table: Table, given: Given = NOTHING_GIVEN) -> AttitudeRows:
     """The rows of a table that have a time and an attitude.
 
@@ -53,7 +48,7 @@ def read_attitude_table(table: Table, given: Given = NOTHING_GIVEN) -> AttitudeR
         InputError: missing, a column is missing, a unit is not certain, or no row has an attitude.
     """
     columns = find_columns(table)
-    if not has_attitude(table):
+    if {"qw", "roll", "pitch"}.isdisjoint(columns):
         needed = "needed are time_s, roll_rad, pitch_rad, or a gyroscope's and an accelerometer's x, y, z"
         raise InputError(table.path, f"has no attitude; {table.found}", needed)
     times_s, notes = read_times(table, columns, given, LOG_STEPS)
@@ -61,7 +56,7 @@ def read_attitude_table(table: Table, given: Given = NOTHING_GIVEN) -> AttitudeR
     good = np.isfinite(times_s) & np.isfinite(rows.quaternions).all(axis=-1)
     if not good.any():
         raise InputError(table.path, "holds no attitude", "check that its values are numbers")
-    notes = (*notes, *_restarts(times_s[good]))
+    notes = (*notes, *restarts(times_s[good]))
     order = np.flatnonzero(good)[np.argsort(times_s[good], kind="stable")]
     return AttitudeRows(
         times_s[order],
@@ -72,8 +67,12 @@ def read_attitude_table(table: Table, given: Given = NOTHING_GIVEN) -> AttitudeR
     )
 
 
-def _restarts(times_s: Floats) -> tuple[Doubt, ...]:
-    """What is said of a clock that falls back once or a few times: a restart, or a counter that ran over."""
+def restarts(times_s: Floats) -> tuple[Doubt, ...]:
+    """What is said of a clock that falls back once or a few times: a restart, or a counter that ran over.
+
+    Args:
+        times_s: (N,) s, as they stand in the table.
+    """
     falls = np.flatnonzero(np.diff(times_s) < -LEAST_FALL_S)
     if not 0 < len(falls) <= MOST_RESTARTS:
         return ()

@@ -8,18 +8,21 @@ from horizon_dl.data.tables.columns import words_of
 
 RATES = (
     *("gyroscope", "gyro", "gyr", "angular_velocity", "ang_vel", "angvel", "angular_rate", "ang_rate"),
-    *("rotation_rate", "gyro_rotation", "omega", "w_rs", "w", "g", "gyro_adc", "rate", "rates"),
+    *("omega", "w_rs", "w", "g", "gyro_adc", "rate", "rates"),
 )
 FORCES = (
     *("accelerometer", "acceleration", "accel", "acc", "specific_force", "linear_acceleration", "lin_acc"),
     *("linacc", "a_rs", "a", "g_f", "acc_smooth", "acc_adc"),
 )
 """What names are but for axis and unit, best first: of Android's two accelerations the one with gravity."""
-WITHOUT_GRAVITY = "user"
-"""A word of iOS's acceleration that has none."""
+MEANS_ANOTHER = {
+    *("user", "world", "earth", "ned", "enu", "gravity"),  # no specific force in the body's axes
+    *("setpoint", "target", "desired", "des", "cmd", "command", "ref"),
+    *("bias", "std", "var", "cov", "covariance", "offset", "err", "error"),
+}
 AXES = {"x": 0, "y": 1, "z": 2, "0": 0, "1": 1, "2": 2}
 DEGREES, RADIANS = {"deg", "degs", "degree", "degrees", "dps"}, {"rad", "rads", "radian", "radians"}
-UNITS = {*DEGREES, *RADIANS, "m", "s", "s2", "ms2", "g"}
+UNITS = {*DEGREES, *RADIANS, "m", "s", "s2", "ms2", "g", "1", "2", "mg", "mps2", "sec", "per", "second"}
 OF_MESSAGE = ".angular_velocity."
 """Of ROS, which counts radians."""
 
@@ -41,8 +44,18 @@ class InertialColumns:
     rate_unit: Literal["rad", "deg"] | None
 
 
+@dataclass(frozen=True)
+class _Part:
+    """A column's name in parts: `imu`, `gyro`, axis 0, and the unit's words."""
+
+    prefix: str
+    rank: int
+    axis: int
+    unit: str
+
+
 def inertial_columns(names: Sequence[str]) -> InertialColumns | None:
-    """The columns of a gyroscope and of an accelerometer; None where either is not whole.
+    """The columns of a gyroscope and of an accelerometer of one device; None where either is not whole.
 
     Example:
         >>> inertial_columns(["t", "GyrX", "GyrY", "GyrZ", "AccX", "AccY", "AccZ"]).forces
@@ -50,9 +63,11 @@ def inertial_columns(names: Sequence[str]) -> InertialColumns | None:
         >>> inertial_columns(["t", "gx[deg/s]", "gy[deg/s]", "gz[deg/s]", "ax", "ay", "az"]).rate_unit
         'deg'
     """
-    rates, forces = _triple(names, RATES), _triple(names, FORCES)
-    if rates is None or forces is None:
+    all_rates, all_forces = _triples(names, RATES), _triples(names, FORCES)
+    pairs = [(rates, all_forces[prefix]) for prefix, rates in all_rates.items() if prefix in all_forces]
+    if not pairs:
         return None
+    rates, forces = pairs[0]
     return InertialColumns(rates, forces, _rate_unit(rates[0]))
 
 
@@ -63,51 +78,60 @@ def _rate_unit(name: str) -> Literal["rad", "deg"] | None:
     return "rad" if words & RADIANS or OF_MESSAGE in f".{name.lower()}" else None
 
 
-def _triple(names: Sequence[str], stems: Sequence[str]) -> Triple | None:
-    """The columns x, y, z of the best name that has all three."""
-    found: dict[tuple[int, str], dict[int, str]] = {}
+def _triples(names: Sequence[str], stems: Sequence[str]) -> dict[str, Triple]:
+    """By device the columns x, y, z of the best name that has all three alike."""
+    found: dict[tuple[str, int, str], dict[int, str]] = {}
     for name in names:
-        stem, axis = _stem_and_axis(name)
-        fitting = [place for place, one in enumerate(stems) if _is(stem, one)]
-        if axis is not None and fitting:
-            found.setdefault((fitting[0], stem), {}).setdefault(axis, name)
-    whole = [key for key, axes in found.items() if len(axes) == 3]
-    if not whole:
-        return None
-    axes = found[min(whole, key=lambda key: key[0])]
-    return axes[0], axes[1], axes[2]
+        part = _part(name, stems)
+        if part is not None:
+            found.setdefault((part.prefix, part.rank, part.unit), {}).setdefault(part.axis, name)
+    whole = [(key, axes) for key, axes in found.items() if len(axes) == 3]
+    best: dict[str, Triple] = {}
+    for (prefix, _, _), axes in sorted(whole, key=lambda one: one[0][1]):
+        best.setdefault(prefix, (axes[0], axes[1], axes[2]))
+    return best
 
 
-def _is(stem: str, known: str) -> bool:
-    """Whether a name without its axis is a known one, or one behind other words, as `imu_gyro`."""
-    return stem == known or (len(known) > 1 and stem.endswith(f"_{known}"))
-
-
-def _stem_and_axis(name: str) -> tuple[str, int | None]:
-    """A column's name without axis and unit, and the axis; None: it has none.
+def _part(name: str, stems: Sequence[str]) -> _Part | None:
+    """A column's name in parts; None where it is none of a sensor of these names.
 
     Example:
-        >>> _stem_and_axis("w_RS_S_x [rad s^-1]"), _stem_and_axis("gyro_rad[0]"), _stem_and_axis("ax")
-        (('w_rs', 0), ('gyro', 0), ('a', 0))
-        >>> _stem_and_axis("x_gyro"), _stem_and_axis("userAccelerationZ(G)")
-        (('gyro', 0), ('', None))
+        >>> _part("imu_gyro_y [rad s^-1]", RATES)
+        _Part(prefix='imu', rank=1, axis=1, unit='rad_s_1')
+        >>> _part("ax", FORCES).axis, _part("x_acc", FORCES).axis, _part("gyro_x_bias", RATES)
+        (0, 0, None)
     """
     words = words_of(name)
-    if WITHOUT_GRAVITY in words:
-        return "", None
+    if MEANS_ANOTHER & set(words):
+        return None
     if len(words) > 1 and words[0] in "xyz":
         words = [*words[1:], words[0]]
     for place, word in enumerate(words):
-        if place and word in AXES:
-            return _stem(words[:place]), AXES[word]
-        head = _stem([*words[:place], word[:-1]])
-        if word[-1] in "xyz" and any(_is(head, known) for known in (*RATES, *FORCES)):
-            return head, AXES[word[-1]]
-    return "", None
+        ends = [(words[:place], word)] if place else []
+        ends += [([*words[:place], word[:-1]], word[-1])] if word[:-1] and word[-1] in "xyz" else []
+        unit = words[place + 1 :]
+        for head, axis in ends:
+            if axis in AXES and set(unit) <= UNITS:
+                sensor, of_stem = _without_unit(head)
+                found = _ranked(sensor, stems)
+                if found is not None:
+                    return _Part(found[0], found[1], AXES[axis], "_".join([*of_stem, *unit]))
+    return None
 
 
-def _stem(words: list[str]) -> str:
-    """Words without the units at their end."""
-    while len(words) > 1 and words[-1] in UNITS:
-        words = words[:-1]
-    return "_".join(words)
+def _ranked(sensor: list[str], stems: Sequence[str]) -> tuple[str, int] | None:
+    """What stands before a sensor's name, and the name's place among those that are known."""
+    whole = "_".join(sensor)
+    fitting = [stem for stem in stems if whole == stem or (len(stem) > 1 and whole.endswith(f"_{stem}"))]
+    if not fitting:
+        return None
+    stem = max(fitting, key=len)
+    return whole.removesuffix(stem).rstrip("_"), stems.index(stem)
+
+
+def _without_unit(words: list[str]) -> tuple[list[str], list[str]]:
+    """Words, and the units at their end, as of `gyro_rad[0]`."""
+    place = len(words)
+    while place > 1 and words[place - 1] in UNITS:
+        place -= 1
+    return words[:place], words[place:]

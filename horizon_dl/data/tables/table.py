@@ -93,14 +93,18 @@ def number(cell: str) -> float:
         raise
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path, head_bytes: int | None = None) -> Table:
     """The table in a text file; the first line that is no comment and as wide as the rows names its columns.
+
+    Args:
+        path: of the file.
+        head_bytes: read no more than the rows in so many bytes.
 
     Raises:
         InputError: missing, not text, without rows, or its columns cannot be told apart.
     """
     try:
-        names, rows = _names_and_rows(read_lines(path))
+        names, rows = _names_and_rows(read_lines(path, head_bytes))
     except csv.Error:
         raise InputError(path, "is not a CSV file", "separate columns with commas") from None
     if not rows:
@@ -148,10 +152,15 @@ def _header_line(lines: Sequence[str]) -> int:
     for place, line in enumerate(lines[:MOST_BEFORE]):
         cells = _without_blank_end(_cells(line, separator))
         if len(cells) == width:
-            return 0 if width == 1 or not all(cells) or any(map(_is_number, cells)) else place
-        if len(cells) > width:
+            return place if width > 1 and all(map(_may_name, cells)) else 0
+        if len(cells) > 1 and all(map(_is_number, cells)):  # of another table
             return 0
     return 0
+
+
+def _may_name(cell: str) -> bool:
+    """Whether a cell may be the name of a column: no number, date or word for nothing."""
+    return cell.lower() not in NOTHING and not cell[0].isdigit() and not _is_number(cell)
 
 
 def find_separator(lines: Sequence[str]) -> str:

@@ -24,21 +24,30 @@ NO_TEXT = {
 """What to do with files that are no text, by their suffix."""
 
 
-def read_lines(path: Path) -> list[str]:
+def read_lines(path: Path, head_bytes: int | None = None) -> list[str]:
     """Lines of a text file without blank ones.
+
+    Args:
+        path: of the file.
+        head_bytes: read no more than the whole lines in so many bytes.
 
     Raises:
         InputError: missing or not text.
     """
     try:
         check_regular(path, MOST_TEXT)
-        text = decoded(path.read_bytes())
+        with path.open("rb") as file:
+            data = file.read(-1 if head_bytes is None else head_bytes)
+        text = decoded(data)
     except FileNotFoundError:
         raise InputError(path, "is missing", "restore the file") from None
     except (OSError, UnicodeDecodeError) as error:
         way_out = NO_TEXT.get(path.suffix.lower(), "check the file")
         raise InputError(path, f"cannot be read as text ({type(error).__name__})", way_out) from None
-    return [line for line in text.splitlines() if line.strip()]
+    lines = text.splitlines()
+    if head_bytes is not None and len(data) == head_bytes and len(lines) > 1:
+        lines.pop()  # cut
+    return [line for line in lines if line.strip()]
 
 
 def decoded(data: bytes) -> str:

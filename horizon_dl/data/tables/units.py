@@ -18,9 +18,6 @@ EPOCH_S = (1e9, 2.3e9)
 STILL_DEG = 0.6
 """Rolls and pitches within this may as well be radians, of up to 34 degrees."""
 
-FASTEST_RAD_S = 35.0
-"""What a gyroscope of 2000 degrees a second, the widest usual range, tells at most."""
-
 SHORTEST_NAMED_S = 2e-5
 """Shorter steps, of over 50 kHz, make one doubt a named unit; so do longer ones than the clock's kind has."""
 
@@ -37,6 +34,9 @@ class Steps:
 CAMERA_STEPS = Steps(1 / 250, 10.0)
 LOG_STEPS = Steps(1 / 2000, 2.0, useless_beyond=True)
 """An attitude log; slower ones are of no use, so numbers that would make it slower are in another unit."""
+
+IMU_STEPS = Steps(1 / 20_000, 0.1, useless_beyond=True)
+"""A gyroscope; from slower ones no attitude can be told."""
 
 
 class DoubtError(ValueError):
@@ -117,23 +117,6 @@ def angle_unit(levels: Sequence[Floats], headings: Sequence[Floats], named: str 
             raise DoubtError(looks, hint)
         return "deg"
     raise DoubtError("the angles have no unit", hint)
-
-
-def rate_unit(rates: Floats, named: str | None) -> str:
-    """The unit of the angle in rates (N, 3), `rad` or `deg` a second: no gyroscope tells over 35 rad/s.
-
-    Raises:
-        DoubtError: none is named, and all rates are small.
-
-    Example:
-        >>> rate_unit(np.array([[120.0, 3.0, -80.0]]), None)
-        'deg'
-    """
-    if named:
-        return named
-    if _often_over(rates, FASTEST_RAD_S):
-        return "deg"
-    raise DoubtError("the rates have no unit", "--angle-unit rad or --angle-unit deg")
 
 
 def counts_degrees(headings: Floats) -> bool:

@@ -9,51 +9,114 @@ from horizon_dl.data.attitude_log import AttitudeLog, Floats
 from horizon_dl.data.given import Given
 from horizon_dl.data.imu import GRAVITY_M_S2
 from horizon_dl.data.tables.attitude_columns import read_times
+from horizon_dl.data.tables.attitude_table import restarts
 from horizon_dl.data.tables.columns import best_columns
 from horizon_dl.data.tables.inertial_columns import InertialColumns
 from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time
 from horizon_dl.data.tables.table import Table
-from horizon_dl.data.tables.units import LOG_STEPS, DoubtError, rate_unit
+from horizon_dl.data.tables.units import IMU_STEPS
 from horizon_dl.errors import InputError
-from horizon_dl.logs.attitude_logs.inertial import log_of_inertial
+from horizon_dl.logs.attitude_logs.inertial import log_of_inertial, turned
 
 FEWEST_SAMPLES = 10
 METRES, GS, LEAST_COUNTS = (5.0, 20.0), (0.5, 2.0), 100.0
 """Medians of a force that are m/s^2, multiples of gravity, and numbers of a sensor's own unit."""
 
+PIECE_S, PIECES = 10.0, 12
+LEAST_AGREEMENT = 0.5
+"""Of forces that the gyroscope carries together; with rates far too large they cancel to under a fifth."""
+CLEARER = 4.0
+TELLS = 0.02
+"""A unit without a name is told where the other one's loss is so many times as large, and at least this."""
 
-def read(table: Table, columns: InertialColumns, given: Given) -> AttitudeLog:
+
+def read(
+    table: Table, columns: InertialColumns, given: Given, frd_from_imu: Floats | None = None
+) -> AttitudeLog:
     """The attitude at the gyroscope's times; the heading starts at 0.
 
+    Args:
+        table: with the columns.
+        columns: their names.
+        given: units, and the IMU's axes.
+        frd_from_imu: rotation (3, 3) from the IMU's axes to the body's, in place of those that are given.
+
     Raises:
-        InputError: a column is missing, a unit is not certain, the accelerometer feels no gravity, there are
-            too few samples; AxesNotStatedError: nothing says where the IMU's axes point.
+        InputError: a column is missing, a unit is not certain, the accelerometer feels no gravity, the two
+            sensors do not agree, the clock starts anew, or there are too few samples; AxesNotStatedError:
+            nothing says where the IMU's axes point.
     """
+    frd_from_imu = _stated(table, given) if frd_from_imu is None else frd_from_imu
+    times_s, notes = read_times(table, best_columns(table.names), given, IMU_STEPS)
+    if restarts(times_s):
+        raise InputError(table.path, "has a clock that starts anew", "cut the table there")
+    read_rates, read_forces = (
+        by_time(times_s, np.column_stack([table.numbers(name) for name in names]))
+        for names in (columns.rates, columns.forces)
+    )
+    if min(len(read_rates[0]), len(read_forces[0])) < FEWEST_SAMPLES:
+        raise InputError(table.path, f"holds under {FEWEST_SAMPLES} samples", "record again")
+    forces = by_time(read_forces[0], _m_s2(table, read_forces[1]), MOST_INERTIAL)
+    unit = given.angle_unit or columns.rate_unit
+    gyro, told = _rad_s(table, read_rates, forces, unit)
+    log = log_of_inertial(gyro, forces, frd_from_imu)
+    note = "the attitude is estimated from gyroscope and accelerometer"
+    return replace(log, of_imu=True, notes=(note, *notes, *told))
+
+
+def _stated(table: Table, given: Given) -> Floats:
     if given.imu_axes is None:
         raise AxesNotStatedError(
             table.path,
             "holds an IMU's own samples and does not state where its axes point",
             "give --imu-axes flu (x forward, y left, z up), frd or another; check-data finds it",
         )
-    times_s, notes = read_times(table, best_columns(table.names), given, LOG_STEPS)
-    samples = np.column_stack([table.numbers(name) for name in (*columns.rates, *columns.forces)])
-    times_s, samples = by_time(times_s, samples)
-    if len(times_s) < FEWEST_SAMPLES:
-        raise InputError(table.path, f"holds under {FEWEST_SAMPLES} samples", "record again")
-    rates, forces = _rad_s(table, samples[:, :3], columns, given), _m_s2(table, samples[:, 3:])
-    times_s, samples = by_time(times_s, np.hstack([rates, forces]), MOST_INERTIAL)
-    rates, forces = samples[:, :3], samples[:, 3:]
-    log = log_of_inertial((times_s, rates), (times_s, forces), rotation_of_axes(given.imu_axes))
-    note = "the attitude is estimated from gyroscope and accelerometer"
-    return replace(log, of_imu=True, notes=(note, *notes))
+    return rotation_of_axes(given.imu_axes)
 
 
-def _rad_s(table: Table, rates: Floats, columns: InertialColumns, given: Given) -> Floats:
-    try:
-        unit = given.angle_unit or rate_unit(rates, columns.rate_unit)
-    except DoubtError as doubt:
-        raise InputError(table.path, f"{table.found}; {doubt.looks}", doubt.hint) from None
-    return np.deg2rad(rates) if unit == "deg" else rates
+def agreement(gyro: tuple[Floats, Floats], accelerometer: tuple[Floats, Floats]) -> float:
+    """How well a gyroscope carries an accelerometer's samples together: 1 where their means are gravity.
+
+    Args:
+        gyro: times (N,) s, sorted, and rates (N, 3) rad/s.
+        accelerometer: times (M,) s, sorted, and forces (M, 3) m/s^2.
+    """
+    times_s, rates = gyro
+    forces = np.stack([np.interp(times_s, accelerometer[0], axis) for axis in accelerometer[1].T], axis=-1)
+    lengths = []
+    for start_s in np.linspace(times_s[0], max(times_s[0], times_s[-1] - PIECE_S), PIECES):
+        piece = (times_s >= start_s) & (times_s <= start_s + PIECE_S)
+        if piece.sum() > 1:
+            carried = np.einsum("nij,nj->ni", turned(times_s[piece], rates[piece]), forces[piece])
+            lengths.append(float(np.linalg.norm(carried.mean(axis=0))))
+    return float(np.mean(lengths)) / GRAVITY_M_S2 if lengths else 1.0
+
+
+def _rad_s(
+    table: Table, read: tuple[Floats, Floats], accelerometer: tuple[Floats, Floats], unit: str | None
+) -> tuple[tuple[Floats, Floats], tuple[str, ...]]:
+    """The gyroscope's times and rates, rad/s, and a note where its unit was told by the accelerometer."""
+    by_unit = {
+        name: by_time(read[0], read[1] * scale, MOST_INERTIAL)
+        for name, scale in (("rad", 1.0), ("deg", np.pi / 180))
+    }
+    possible = {name: gyro for name, gyro in by_unit.items() if len(gyro[0]) >= FEWEST_SAMPLES}
+    agreements = {name: agreement(gyro, accelerometer) for name, gyro in possible.items()}
+    fitting = {name: value for name, value in agreements.items() if value >= LEAST_AGREEMENT}
+    if not fitting or (unit and unit not in fitting):
+        problem = "its gyroscope and accelerometer do not agree: the rates are in another unit or other axes"
+        raise InputError(table.path, problem, "give rates in rad/s or degrees/s, of the accelerometer's axes")
+    if unit:
+        return possible[unit], ()
+    best = max(fitting, key=lambda name: fitting[name])
+    losses = {name: max(1.0 - agreements.get(name, 0.0), 0.0) for name in by_unit}
+    other = max(loss for name, loss in losses.items() if name != best)
+    if other < TELLS or other < CLEARER * losses[best]:
+        raise InputError(
+            table.path, f"{table.found}; the rates have no unit", "--angle-unit rad or --angle-unit deg"
+        )
+    words = {"rad": "radians", "deg": "degrees"}[best]
+    return possible[best], (f"the rates are read as {words} a second, with which the accelerometer agrees",)
 
 
 def _m_s2(table: Table, forces: Floats) -> Floats:

@@ -4,8 +4,8 @@ import math
 from pathlib import Path
 from typing import Protocol
 
-from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
-from horizon_dl.data.given import MAVLINK, NOTHING_GIVEN, Given
+from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude, Floats
+from horizon_dl.data.given import CONSTANT, MAVLINK, NOTHING_GIVEN, Given
 from horizon_dl.data.regular_file import check_regular, check_there
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs import (
@@ -45,12 +45,15 @@ KINDS: tuple[LogKind, ...] = (
 )
 
 
-def read_attitude(given: str, units: Given = NOTHING_GIVEN) -> AttitudeLog | ConstantAttitude:
+def read_attitude(
+    given: str, units: Given = NOTHING_GIVEN, frd_from_imu: Floats | None = None
+) -> AttitudeLog | ConstantAttitude:
     """What `--attitude` names: `constant:ROLL,PITCH` in degrees, or the file of a log.
 
     Args:
         given: the option's value.
-        units: what was given of a table's units.
+        units: what was given of a table's units, and of an IMU's axes.
+        frd_from_imu: rotation (3, 3) from an IMU's axes to the body's, in place of those that are given.
 
     Raises:
         InputError: the angles are no angles, or the file cannot be read.
@@ -61,11 +64,14 @@ def read_attitude(given: str, units: Given = NOTHING_GIVEN) -> AttitudeLog | Con
     """
     if given.startswith(MAVLINK):
         raise InputError(given, "is the attitude of a camera alone", "give a recording's own log")
-    kind, _, rest = given.partition(":")
-    return _constant(rest) if kind == "constant" else read_attitude_log(Path(given), units)
+    if given.startswith(CONSTANT):
+        return constant_attitude(given)
+    return read_attitude_log(Path(given), units, frd_from_imu)
 
 
-def read_attitude_log(path: Path, units: Given = NOTHING_GIVEN) -> AttitudeLog:
+def read_attitude_log(
+    path: Path, units: Given = NOTHING_GIVEN, frd_from_imu: Floats | None = None
+) -> AttitudeLog:
     """The attitude log in a file, or in an app's folder, of any kind.
 
     Raises:
@@ -81,7 +87,7 @@ def read_attitude_log(path: Path, units: Given = NOTHING_GIVEN) -> AttitudeLog:
     if path.is_dir():
         needs = "; ".join([kind.NEEDS for kind in KINDS] + [csv_table.NEEDS])
         raise InputError(path, "is a folder, and no app's export", f"needed is one of: {needs}")
-    return csv_table.read(path, units)
+    return csv_table.read(path, units, frd_from_imu)
 
 
 def _head(path: Path) -> bytes:
@@ -93,7 +99,13 @@ def _head(path: Path) -> bytes:
         raise InputError(path, f"cannot be read ({type(error).__name__})", "check the file") from None
 
 
-def _constant(angles: str) -> ConstantAttitude:
+def constant_attitude(given: str) -> ConstantAttitude:
+    """Of `constant:ROLL,PITCH` in degrees.
+
+    Raises:
+        InputError: the angles are no angles.
+    """
+    angles = given.removeprefix(CONSTANT)
     try:
         roll, pitch = (float(angle) for angle in angles.split(","))
     except ValueError:
