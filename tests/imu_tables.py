@@ -31,9 +31,9 @@ def write_imu(path: Path, samples: Floats, header: str = HEADER, separator: str 
     return path
 
 
-def flight(seconds: float = 40.0) -> tuple[Floats, Rotation]:
-    """Times (s) and attitudes of a flight that turns about all axes and comes back."""
+def flight(seconds: float = 40.0, swing: float = 1.0) -> tuple[Floats, Rotation]:
+    """Times (s) and attitudes of a flight that turns about all axes, so much, and comes back."""
     times_s = np.arange(0.0, seconds, 0.05)
-    roll, pitch = 0.3 * np.sin(1.1 * times_s), -0.1 + 0.25 * np.sin(0.7 * times_s)
+    roll, pitch = swing * 0.3 * np.sin(1.1 * times_s), -0.1 + swing * 0.25 * np.sin(0.7 * times_s)
     yaw = 0.8 * np.sin(0.4 * times_s)
     return times_s, Rotation.from_euler("ZYX", np.column_stack([yaw, pitch, roll]))

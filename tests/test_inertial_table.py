@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from horizon_dl.calibration.mount import AxesNotStatedError
 from horizon_dl.cli import main
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import Given
 from horizon_dl.data.tables.inertial_columns import inertial_columns
 from horizon_dl.errors import InputError
@@ -101,7 +102,7 @@ def test_columns_by_their_names(header: str, rates: str | None, forces: str | No
 
 @pytest.mark.parametrize(("factor", "word"), [(1.0, "radians"), (np.rad2deg(1.0), "degrees")])
 def test_a_unit_without_a_name_is_told_by_the_accelerometer(tmp_path: Path, factor: float, word: str) -> None:
-    samples = imu_samples(*flight(), "flu")
+    samples = imu_samples(*flight(swing=2.0), "flu")
     named = write_imu(tmp_path / "named.csv", samples)
     header = HEADER.replace("_rad_s", "")
     path = write_imu(tmp_path / "imu.csv", samples * np.repeat([1, factor, 1], [1, 3, 3]), header)
@@ -129,15 +130,18 @@ def test_axes_are_asked_for(tmp_path: Path) -> None:
 
 
 NO_UNIT = HEADER.replace("_rad_s", "")
+RAW = NO_UNIT.replace("_m_s2", "")
 
 
 @pytest.mark.parametrize(
     ("scale", "header", "says"),
     [
-        ((1, 1, 0.03), HEADER, "neither 9.8 m/s"),
+        ((1, 1, 0.06), HEADER, "neither 9.8 m/s"),  # no gravity in it
+        ((1, 2, 1), HEADER, "if its rates are taken times 0.5"),
+        ((2, 1, 1), HEADER, "if its rates are taken times 0.5"),
         ((1, 1, 0), HEADER, "neither 9.8 m/s"),
         ((1, np.rad2deg(1.0), 1), HEADER, "do not agree"),
-        ((1, np.rad2deg(131.0), 16384 / 9.81), NO_UNIT, "do not agree"),  # counts of an MPU-6050
+        ((1, np.rad2deg(131.0), 16384 / 9.81), RAW, "do not agree"),  # counts of an MPU-6050
         ((1, 1e9, 1), HEADER, "do not agree"),
         ((1, float("nan"), 1), HEADER, "under 10 samples"),
     ],
@@ -145,7 +149,7 @@ NO_UNIT = HEADER.replace("_rad_s", "")
 def test_what_is_not_certain_is_one_line(
     tmp_path: Path, scale: tuple[float, ...], header: str, says: str
 ) -> None:
-    samples = imu_samples(*flight(), "flu") * np.repeat(scale, [1, 3, 3])
+    samples = imu_samples(*flight(swing=2.0), "flu") * np.repeat(scale, [1, 3, 3])
     path = write_imu(tmp_path / "imu.csv", samples, header)
     with pytest.raises(InputError, match=says):
         read_attitude_log(path, Given(imu_axes="flu"))
@@ -167,10 +171,57 @@ def test_a_clock_that_starts_anew_is_refused(tmp_path: Path) -> None:
         read_attitude_log(write_imu(tmp_path / "imu.csv", samples), Given(imu_axes="flu"))
 
 
-def test_a_clock_that_stands_makes_no_attitude_up(tmp_path: Path) -> None:
-    samples = imu_samples(*flight(5.0), "flu") * np.repeat([0, 1, 1], [1, 3, 3])
-    log = read_attitude_log(write_imu(tmp_path / "imu.csv", samples), Given(imu_axes="flu"))
-    assert log.header("a", 2.0, (0.0, 0.0, 0.0)).up_cam is None
+@pytest.mark.parametrize("factor", [0.0, 1.0])
+def test_a_clock_of_whole_seconds_is_refused(tmp_path: Path, factor: float) -> None:
+    samples = imu_samples(*flight(), "flu")
+    samples[:, 0] = np.floor(factor * samples[:, 0])
+    with pytest.raises(InputError, match="its clock stands still in most rows"):
+        read_attitude_log(write_imu(tmp_path / "imu.csv", samples), Given(imu_axes="flu", time_unit="s"))
+
+
+def test_a_bias_that_is_not_told_is_said(tmp_path: Path) -> None:
+    for seconds, says in ((40.0, True), (80.0, False)):
+        path = write_imu(tmp_path / "imu.csv", imu_samples(*flight(seconds), "flu", 50.0))
+        notes = read_attitude_log(path, Given(imu_axes="flu")).notes
+        assert any("bias is not known" in note for note in notes if isinstance(note, Doubt)) == says
+
+
+@pytest.mark.parametrize("blank", ["0,0,0,1", "0,0,0,0"])
+def test_a_driver_that_estimates_nothing_leaves_the_samples(tmp_path: Path, blank: str) -> None:
+    """ROS drivers without an estimate write a quaternion that turns nothing, or zeros."""
+    orientation = ",".join(f"field.orientation.{axis}" for axis in "xyzw")
+    header, separator, scale = DIALECTS["ROS"]
+    samples = imu_samples(*flight(), "flu") * np.repeat(scale, [1, 3, 3])
+    plain = write_imu(tmp_path / "plain.csv", samples, header, separator)
+    head, *rows = plain.read_text().splitlines()
+    (tmp_path / "imu.csv").write_text(
+        "\n".join([f"{head},{orientation}", *(f"{row},{blank}" for row in rows)])
+    )
+    logs = [read_attitude_log(path, Given(imu_axes="flu")) for path in (plain, tmp_path / "imu.csv")]
+    np.testing.assert_array_equal(logs[0].quaternions, logs[1].quaternions)
+
+
+def gyroflow_log(path: Path, samples: Floats, settings: str) -> Path:
+    counts = samples / np.repeat([0.001, 0.0012, 0.0005 * 9.81], [1, 3, 3])
+    rows = "\n".join(",".join(f"{value:.0f}" for value in row) for row in counts.tolist())
+    path.write_text(f"GYROFLOW IMU LOG\nversion,1.3\nid,made\n{settings}t,gx,gy,gz,ax,ay,az\n{rows}\n")
+    return path
+
+
+def test_gyroflows_log_counts_in_its_own_scales(tmp_path: Path) -> None:
+    samples = imu_samples(*flight(), "flu")
+    settings = "orientation,YxZ\ntscale,0.001\ngscale,0.0012\nascale,0.0005\n"
+    log = read_attitude_log(gyroflow_log(tmp_path / "a.gcsv", samples, settings), Given(imu_axes="flu"))
+    plain = read_attitude_log(write_imu(tmp_path / "imu.csv", samples), Given(imu_axes="flu"))
+    np.testing.assert_allclose(log.times_s, plain.times_s, atol=0.001)
+    first, second = (ups(Rotation.from_quat(np.roll(one.quaternions, -1, axis=1))) for one in (log, plain))
+    assert angles_apart_deg(first, second).max() < 0.5
+    other = read_attitude_log(tmp_path / "a.gcsv", Given(imu_axes="flu", time_unit="ms", angle_unit="deg"))
+    np.testing.assert_array_equal(other.quaternions, log.quaternions)  # its own head counts
+    for lacking in ("tscale,0.001\n", "gscale,0.0012\n"):
+        path = gyroflow_log(tmp_path / "b.gcsv", samples, settings.replace(lacking, ""))
+        with pytest.raises(InputError, match=r"b\.gcsv: has no usable scale"):
+            read_attitude_log(path, Given(imu_axes="flu"))
 
 
 def test_a_fast_imus_clock_counts_microseconds(tmp_path: Path) -> None:

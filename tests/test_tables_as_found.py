@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from horizon_dl.data.convention import Convention
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.tables.columns import match
 from horizon_dl.data.tables.iso_time import seconds_of_dates
@@ -168,3 +169,79 @@ def test_a_cell_without_an_end_is_one_line(tmp_path: Path, place: int) -> None:
     (tmp_path / "log.csv").write_text("\n".join(lines))
     with pytest.raises(InputError, match="is not a CSV file"):
         read_attitude_csv(tmp_path / "log.csv")
+
+
+SWINGS = [(k / 10, 5.0 * (k % 5), -10.0 + k % 7, 3.0 * k) for k in range(60)]
+
+
+def with_columns(path: Path, header: str, *cells: str) -> tuple[str, ...]:
+    """Notes of a log of swinging roll, pitch and yaw, degrees, with more columns beside them."""
+    lines = [f"time_s,roll_deg,pitch_deg,yaw_deg{header}"]
+    lines += [",".join([*(f"{value:g}" for value in row), *cells]) for row in SWINGS]
+    path.write_text("\n".join(lines))
+    return tuple(note for note in read_attitude_csv(path).notes if isinstance(note, Doubt))
+
+
+def test_a_gimbal_beside_the_vehicles_attitude_is_said(tmp_path: Path) -> None:
+    for header, cell in ((",gimbalPitchRaw", "-300"), (",gimbal_pitch(degrees)", "-30")):
+        (note,) = with_columns(tmp_path / "log.csv", header, cell)
+        assert "the attitude is the vehicle's" in note
+        assert header.strip(",") in note
+    assert not with_columns(tmp_path / "log.csv", ",gimbal_pitch", "0.0")
+    assert not with_columns(tmp_path / "log.csv", ",gimbal_mode", "3")
+
+
+def test_an_attitude_of_zeros_is_said(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text(
+        "time_s,qx,qy,qz,qw\n" + "".join(f"{k / 10},0,0,0,1\n" for k in range(9))
+    )
+    (note,) = read_attitude_csv(tmp_path / "log.csv").notes
+    assert "zero in every row" in note
+
+
+def test_a_trajectory_is_said_to_be_one(tmp_path: Path) -> None:
+    rows = "".join(f"{k / 10} 1 2 3 0.{k} 0 0 1\n" for k in range(1, 9))
+    (tmp_path / "log.txt").write_text("# timestamp tx ty tz qx qy qz qw\n" + rows)
+    (note,) = read_attitude_csv(tmp_path / "log.txt").notes
+    assert isinstance(note, Doubt)
+    assert "as of a trajectory" in note
+
+
+@pytest.mark.parametrize("factor", [10.0, 100.0])
+def test_no_pitch_is_over_a_right_angle_by_much(tmp_path: Path, factor: float) -> None:
+    rows = [f"{t:g},{roll * factor:g},{(pitch - 5) * factor:g}" for t, roll, pitch, _ in SWINGS]
+    for header in ("time_s,roll,pitch", "time_s,roll_deg,pitch_deg"):
+        (tmp_path / "log.csv").write_text("\n".join([header, *rows]))
+        with pytest.raises(InputError, match=r"no pitch is|over a full turn"):
+            read_attitude_csv(tmp_path / "log.csv")
+
+
+def test_a_clock_of_whole_seconds_is_said(tmp_path: Path) -> None:
+    rows = "".join(f"{k // 10},0.1,-0.{k % 9}\n" for k in range(60))
+    (tmp_path / "log.csv").write_text("time_s,roll_rad,pitch_rad\n" + rows)
+    assert any(
+        "most rows have the time of the row before" in note
+        for note in read_attitude_csv(tmp_path / "log.csv").notes
+    )
+
+
+def test_microseconds_beside_whole_seconds_count(tmp_path: Path) -> None:
+    rows = "".join(f"{k // 10},{k % 10 * 100_000},0.1,-0.{k % 9}\n" for k in range(60))
+    (tmp_path / "log.csv").write_text("stamp_sec,stamp_usec,roll_rad,pitch_rad\n" + rows)
+    np.testing.assert_allclose(read_attitude_csv(tmp_path / "log.csv").times_s, np.arange(60) / 10)
+
+
+def test_days_of_a_spreadsheet_are_not_taken_for_seconds(tmp_path: Path) -> None:
+    rows = "".join(f"{45047.5 + k / 864000:.9f},0.1,-0.{k % 9}\n" for k in range(60))
+    (tmp_path / "log.csv").write_text("time,roll_rad,pitch_rad\n" + rows)
+    with pytest.raises(InputError, match="days times 86400"):
+        read_attitude_csv(tmp_path / "log.csv")
+
+
+def test_a_line_of_units_below_the_names_counts(tmp_path: Path) -> None:
+    rows = "".join(f"{k * 100},{k % 5},{-k % 7}\n" for k in range(60))
+    (tmp_path / "log.csv").write_text("time,roll,pitch\n(ms),(deg),(deg)\n" + rows)
+    (tmp_path / "plain.csv").write_text("time_ms,roll_deg,pitch_deg\n" + rows)
+    logs = [read_attitude_csv(tmp_path / name) for name in ("log.csv", "plain.csv")]
+    np.testing.assert_array_equal(logs[0].times_s, logs[1].times_s)
+    np.testing.assert_array_equal(logs[0].quaternions, logs[1].quaternions)

@@ -36,7 +36,7 @@ def rotation_of_axes(axes: str, where: str | Path = "--imu-axes") -> NDArray[np.
         return frd_from_axes(axes)
     except ValueError as error:
         hint = "give flu, frd or one of " + ", ".join(ALL_AXES[:6])
-        raise InputError(where, f"{KEY} '{axes[:20]}' is {error}", hint) from None
+        raise InputError(where, f"{KEY} '{axes[:20]}': {error}", hint) from None
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         says += mount_lines(check)
         found |= check.to_json()
         if recording.mount_rpy_rad is None and check.is_off:
-            says.append("This format has no camera.yaml: the angles are about the camera's own axes.")
+            says.append("This format has no camera.yaml: turn the camera in its own calibration by them.")
     except InputError as error:
         if not any(found.values()):
             raise

@@ -128,7 +128,7 @@ def _said(name: str, angle: Angle) -> str:
     if not is_sure(angle):
         return f"{name:<6} cannot be told"
     degrees, sd = math.degrees(angle.correction), math.degrees(angle.sd)
-    return f"{name:<6} {degrees:+.1f} degrees (sd {sd:.1f}) by upright edges"
+    return f"{name:<6} {degrees:+.1f} degrees (sd {sd:.1f}) about the camera's own axes, by upright edges"
 
 
 def _level_said(check: MountCheck) -> str:

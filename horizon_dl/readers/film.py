@@ -18,7 +18,7 @@ NEEDS = "a film (mp4, mov, avi, mkv, webm), with --camera and --attitude"
 SUFFIXES = {".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ts", ".3gp", ".mts"}
 
 
-LOG_SUFFIXES = (".ulg", ".bin", ".log", ".csv", ".srt")
+LOG_SUFFIXES = (".ulg", ".bin", ".log", ".gcsv", ".csv", ".srt")
 """Of a log beside the film that has its name; in the order in which they are looked for."""
 
 

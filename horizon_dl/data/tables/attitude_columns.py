@@ -9,27 +9,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from horizon_dl.data.convention import Convention
-from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import Given
+from horizon_dl.data.tables.attitude_doubts import attitude_doubts
 from horizon_dl.data.tables.columns import (
     LENGTH_UNITS,
     TIME_UNITS,
     Column,
     is_of_message,
-    nanoseconds_beside,
+    parts_beside,
     require,
 )
-from horizon_dl.data.tables.find_columns import columns_beside
 from horizon_dl.data.tables.iso_time import seconds_of_dates
 from horizon_dl.data.tables.parsing import usable_quaternions
 from horizon_dl.data.tables.table import Table
-from horizon_dl.data.tables.units import UNIT_NAMES, DoubtError, Steps, angle_unit, clock_unit, counts_degrees
+from horizon_dl.data.tables.units import (
+    UNIT_NAMES,
+    DoubtError,
+    Steps,
+    angle_unit,
+    clock_unit,
+    counts_degrees,
+    often_over,
+)
 from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import quaternion_from_rpy, yaw_of
 
 Floats = NDArray[np.float64]
 Columns = dict[str, Column]
 QUATERNION = ("qw", "qx", "qy", "qz")
+MOST_PITCH_DEG = 140.0
+"""A vehicle's ends at 90; gimbals look back under themselves."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +77,9 @@ def read_times(table: Table, columns: Columns, given: Given, steps: Steps) -> tu
     if dates is not None:
         return dates, ()
     values = table.numbers(column.name, "write numbers, or dates as 2024-05-01 12:30:00.25")
-    rest = nanoseconds_beside(table, column)
+    rest = parts_beside(table, column)
     if rest is not None:
-        return values + 1e-9 * table.numbers(rest), ()
+        return values + rest[1] * table.numbers(rest[0]), ()
     unit = given.time_unit or _decided(table, clock_unit, values, column.unit, steps)
     named = column.unit or "s"
     note = f"column '{column.name}' is read as {UNIT_NAMES[unit]}, which alone fits its numbers"
@@ -84,15 +93,7 @@ def read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeColu
         InputError: there is neither, a cell is no number, or the angles' unit is not certain.
     """
     rows = _read_attitudes(table, columns, given)
-    others = columns_beside(table, columns)
-    if not others:
-        return rows
-    roll = columns["qw" if "qw" in columns else "roll"].name
-    beside = Doubt(
-        f"the attitude is the camera's or gimbal's, of '{roll}' and so on, and not that of '{others[0]}' "
-        "beside it; remove the columns that do not turn with the camera"
-    )
-    return replace(rows, notes=(*rows.notes, beside))
+    return replace(rows, notes=(*rows.notes, *attitude_doubts(table, columns)))
 
 
 def _read_attitudes(table: Table, columns: Columns, given: Given) -> AttitudeColumns:
@@ -141,6 +142,9 @@ def _angles_rad(table: Table, columns: Columns, given: Given) -> tuple[Floats, t
         levels = [raw[role] for role in group if role != "yaw"]
         headings = [raw[role] for role in group if role == "yaw"]
         unit = given.angle_unit or _decided(table, angle_unit, levels, headings, named)
+        if unit == "deg" and "pitch" in group and often_over(raw["pitch"], MOST_PITCH_DEG):
+            problem = f"'{columns['pitch'].name}' is over {MOST_PITCH_DEG:.0f} degrees, which no pitch is"
+            raise InputError(table.path, problem, "divide tenths or hundredths of a degree; --angle-unit rad")
         for role in group:
             place = ("roll", "pitch", "yaw").index(role)
             in_degrees = unit == "deg" or (role == "yaw" and named is None and counts_degrees(raw[role]))

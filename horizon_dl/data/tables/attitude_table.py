@@ -56,7 +56,7 @@ def read_attitude_table(table: Table, given: Given = NOTHING_GIVEN) -> AttitudeR
     good = np.isfinite(times_s) & np.isfinite(rows.quaternions).all(axis=-1)
     if not good.any():
         raise InputError(table.path, "holds no attitude", "check that its values are numbers")
-    notes = (*notes, *restarts(times_s[good]))
+    notes = (*notes, *restarts(times_s[good]), *_stairs(times_s[good]))
     order = np.flatnonzero(good)[np.argsort(times_s[good], kind="stable")]
     return AttitudeRows(
         times_s[order],
@@ -65,6 +65,18 @@ def read_attitude_table(table: Table, given: Given = NOTHING_GIVEN) -> AttitudeR
         rows.heights_m[order],
         (*notes, *rows.notes),
     )
+
+
+def mostly_stands(times_s: Floats) -> bool:
+    """Whether most rows (N,) have the time of the row before: a clock of whole seconds, or a wrong column."""
+    return len(times_s) > 1 and float(np.mean(np.diff(times_s) == 0.0)) > 0.5
+
+
+def _stairs(times_s: Floats) -> tuple[Doubt, ...]:
+    if not mostly_stands(times_s):
+        return ()
+    says = "most rows have the time of the row before, as of a clock that tells whole seconds"
+    return (Doubt(f"{says}: the attitude between is off; give a finer clock as time_s"),)
 
 
 def restarts(times_s: Floats) -> tuple[Doubt, ...]:

@@ -26,9 +26,11 @@ KEYS = {
     "sourcefile rgb name",
     "time": "time timestamp time_stamp t stamp elapsed elapsed_time time_elapsed seconds_elapsed unix "
     "unix_time unixtime unix_timestamp epoch epoch_time time_boot time_since_boot utc utc_time "
-    "header_stamp time_utc time_unix datetime date_time",
+    "header_stamp time_utc time_unix datetime date_time offset_time clock_offset_time fly_time osd_fly_time "
+    "update_time custom_update_time time_startup logging_time logging_time_txt time_since_start "
+    "time_since_start_in sample_time timestamp_since_reboot cts ts",
     "roll": "roll phi roll_angle angle_roll bank",
-    "pitch": "pitch theta pitch_angle angle_pitch",
+    "pitch": "pitch ptch theta pitch_angle angle_pitch",
     "yaw": "yaw psi heading hdg yaw_angle angle_yaw azimuth",
     "height": "height agl height_agl altitude_agl alt_agl height_above_ground relative_altitude "
     "altitude_relative rel_alt relative_alt alt_rel",
@@ -62,8 +64,11 @@ UNITS_OF = {
 }
 
 
-NANOSECONDS = ("nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds")
-"""How a message's stamp names what its whole seconds lack."""
+PARTS_OF_SECONDS = {
+    **dict.fromkeys(("nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds"), 1e-9),
+    **dict.fromkeys(("usec", "usecs", "microsec", "microsecs", "microseconds"), 1e-6),
+}
+"""How a stamp names what its whole seconds lack, and its unit in s."""
 
 
 @dataclass(frozen=True)
@@ -141,17 +146,18 @@ def require(table: Table, columns: dict[str, Column], roles: tuple[str, ...]) ->
         raise InputError(table.path, problem, f"needed are {needed}")
 
 
-def nanoseconds_beside(table: Table, column: Column) -> str | None:
-    """The column of nanoseconds that belongs to one of whole seconds, as `stamp.secs` and `stamp.nsecs`.
+def parts_beside(table: Table, column: Column) -> tuple[str, float] | None:
+    """The column of what whole seconds lack, as `stamp.nsecs` beside `stamp.secs`, and its unit in s.
 
     Example:
         >>> from pathlib import Path
         >>> table = Table(Path("log.csv"), ("stamp.sec", "stamp.nanosec"), ())
-        >>> nanoseconds_beside(table, Column("stamp.sec", "s"))
-        'stamp.nanosec'
+        >>> parts_beside(table, Column("stamp.sec", "s"))
+        ('stamp.nanosec', 1e-09)
     """
     *head, unit = words_of(column.name)
     if UNIT_WORDS.get(unit) != "s":
         return None
     names = ((name, words_of(name)) for name in table.names)
-    return next((name for name, words in names if words[:-1] == head and words[-1] in NANOSECONDS), None)
+    beside = ((name, words) for name, words in names if words[:-1] == head)
+    return next(((name, size) for name, words in beside if (size := PARTS_OF_SECONDS.get(words[-1]))), None)

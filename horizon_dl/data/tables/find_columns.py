@@ -26,6 +26,15 @@ def columns_beside(table: Table, columns: dict[str, Column]) -> list[str]:
     return [name for name in names if name not in {column.name for column in columns.values()}]
 
 
+def gimbal_columns(table: Table) -> list[str]:
+    """Columns of a gimbal's angle, whole or not, as far as they tell one."""
+    named = [name for name in table.names if words_of(name)[:1] == ["gimbal"]]
+    angles = [
+        name for name in named if {"roll", "pitch", "tilt"} & {*words_of(name), _without(name, "gimbal")}
+    ]
+    return [name for name in angles if _tells(table, "gimbal", [name])]
+
+
 def _camera_columns(table: Table) -> dict[str, Column]:
     """Those of a camera's or gimbal's attitude; none where they are not whole, or tell nothing."""
     for prefix in CAMERA_PREFIXES:

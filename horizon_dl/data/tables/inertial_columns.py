@@ -11,14 +11,14 @@ RATES = (
     *("omega", "w_rs", "w", "g", "gyro_adc", "rate", "rates"),
 )
 FORCES = (
-    *("accelerometer", "acceleration", "accel", "acc", "specific_force", "linear_acceleration", "lin_acc"),
-    *("linacc", "a_rs", "a", "g_f", "acc_smooth", "acc_adc"),
+    *("accelerometer", "g_f", "acceleration", "accel", "acc", "specific_force", "linear_acceleration"),
+    *("lin_acc", "linacc", "a_rs", "a", "acc_smooth", "acc_adc"),
 )
 """What names are but for axis and unit, best first: of Android's two accelerations the one with gravity."""
 MEANS_ANOTHER = {
     *("user", "world", "earth", "ned", "enu", "gravity"),  # no specific force in the body's axes
     *("setpoint", "target", "desired", "des", "cmd", "command", "ref"),
-    *("bias", "std", "var", "cov", "covariance", "offset", "err", "error"),
+    *("b", "bias", "std", "var", "cov", "covariance", "offset", "err", "error"),
 }
 AXES = {"x": 0, "y": 1, "z": 2, "0": 0, "1": 1, "2": 2}
 DEGREES, RADIANS = {"deg", "degs", "degree", "degrees", "dps"}, {"rad", "rads", "radian", "radians"}
@@ -37,11 +37,13 @@ class InertialColumns:
         rates: of the gyroscope's x, y, z.
         forces: of the accelerometer's.
         rate_unit: of the angle in the rates, where their names tell it.
+        in_metres: the forces' names say m/s^2.
     """
 
     rates: Triple
     forces: Triple
     rate_unit: Literal["rad", "deg"] | None
+    in_metres: bool
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,8 @@ def inertial_columns(names: Sequence[str]) -> InertialColumns | None:
     if not pairs:
         return None
     rates, forces = pairs[0]
-    return InertialColumns(rates, forces, _rate_unit(rates[0]))
+    in_metres = bool({"m", "ms2", "mps2"} & set(words_of(forces[0])))
+    return InertialColumns(rates, forces, _rate_unit(rates[0]), in_metres)
 
 
 def _rate_unit(name: str) -> Literal["rad", "deg"] | None:

@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 SEPARATORS = ("\t", ";", "|", ",")
 COMMENTS = ("#", "%", "//")
-NOTHING = {"", "-", "--", "na", "n/a", "none", "null", "nan", "#n/a"}
+NOTHING = {"", "-", "--", "--.--", "na", "n/a", "none", "null", "nan", "#n/a"}
 LOOKED_AT = 50
 MOST_BEFORE = 500
 """Lines before the one that names the columns."""
@@ -110,7 +110,7 @@ def read_table(path: Path, head_bytes: int | None = None) -> Table:
     if not rows:
         raise InputError(path, "has no rows", "give a header line and one line for each sample")
     if any(_is_number(name) for name in names):
-        raise InputError(path, "has no line that names its columns", "add one, as image,time_s,roll_rad")
+        raise InputError(path, "has no line that names its columns", "add one, as time_s,roll_rad,pitch_rad")
     longest = max(len(_without_blank_end(row)) for row in rows)
     if longest > len(names):
         problem = f"has rows of {longest} cells under a header of {len(names)}"
@@ -141,7 +141,14 @@ def _names_and_rows(lines: list[str]) -> tuple[list[str], list[list[str]]]:
     names, *rows = (_cells(line, separator) for line in body)
     while len(names) > 1 and not names[-1]:  # a separator at the end of each line
         names.pop()
+    if len(rows) > 1 and len(rows[0]) == len(names) and all(map(_is_unit, rows[0])):
+        return [f"{name} {unit}" for name, unit in zip(names, rows.pop(0), strict=True)], rows
     return names, rows
+
+
+def _is_unit(cell: str) -> bool:
+    """Whether a cell of the line below the names is a unit, as `(deg)` or `[m/s]`."""
+    return bool(re.fullmatch(r"\(.*\)|\[.*\]", cell))
 
 
 def _header_line(lines: Sequence[str]) -> int:

@@ -77,6 +77,9 @@ def clock_unit(values: Floats, named: str | None, steps: Steps) -> str:
         return "s"
     if len(fitting) == 1 and (not named or epoch or steps.useless_beyond):
         return fitting[0]
+    if not fitting and not named and step < steps.shortest_s:
+        looks = f"time steps by {step:g}, which is in no unit a step of a camera or log"
+        raise DoubtError(looks, "write seconds; a spreadsheet's days times 86400")
     if not fitting:
         return named or "s"
     looks = f"time looks like {' or '.join(UNIT_NAMES[unit] for unit in fitting)}, by its steps of {step:g}"
@@ -99,20 +102,20 @@ def angle_unit(levels: Sequence[Floats], headings: Sequence[Floats], named: str 
         >>> angle_unit([np.array([3.0, 12.0, 14.0])], [], None)
         'deg'
     """
-    if any(_often_over(values, 360.0) for values in levels):
+    if any(often_over(values, 360.0) for values in levels):
         looks = (
             "roll and pitch are over a full turn in degrees, too: tenths, hundredths or thousandths of one"
         )
         raise DoubtError(looks, "divide them, and name the columns roll_deg and pitch_deg")
     if named == "deg":
         return "deg"
-    if any(_often_over(values, 2 * math.pi) for values in levels):
+    if any(often_over(values, 2 * math.pi) for values in levels):
         return "deg"
     if named:
         return named
     hint = "--angle-unit rad or --angle-unit deg"
     if any(counts_degrees(values) for values in headings):
-        if levels and not any(_often_over(values, STILL_DEG) for values in levels):
+        if levels and not any(often_over(values, STILL_DEG) for values in levels):
             looks = "the heading is in degrees, and roll and pitch are so small that they may be radians"
             raise DoubtError(looks, hint)
         return "deg"
@@ -121,10 +124,10 @@ def angle_unit(levels: Sequence[Floats], headings: Sequence[Floats], named: str 
 
 def counts_degrees(headings: Floats) -> bool:
     """Whether headings (N,) are degrees: as radians they would count more turns than one flies."""
-    return _often_over(headings, 8 * math.pi)
+    return often_over(headings, 8 * math.pi)
 
 
-def _often_over(values: Floats, limit: float) -> bool:
+def often_over(values: Floats, limit: float) -> bool:
     """Whether more numbers than a few glitches are over a limit."""
     known = np.abs(values[np.isfinite(values)])
     return bool((known > limit).sum() > 0.01 * len(known))

@@ -6,17 +6,18 @@ import numpy as np
 
 from horizon_dl.calibration.mount import AxesNotStatedError, rotation_of_axes
 from horizon_dl.data.attitude_log import AttitudeLog, Floats
+from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import Given
-from horizon_dl.data.imu import GRAVITY_M_S2
+from horizon_dl.data.imu import GRAVITY_M_S2, still_bias
 from horizon_dl.data.tables.attitude_columns import read_times
-from horizon_dl.data.tables.attitude_table import restarts
+from horizon_dl.data.tables.attitude_table import mostly_stands, restarts
 from horizon_dl.data.tables.columns import best_columns
 from horizon_dl.data.tables.inertial_columns import InertialColumns
 from horizon_dl.data.tables.parsing import MOST_INERTIAL, by_time
 from horizon_dl.data.tables.table import Table
 from horizon_dl.data.tables.units import IMU_STEPS
 from horizon_dl.errors import InputError
-from horizon_dl.logs.attitude_logs.inertial import log_of_inertial, turned
+from horizon_dl.logs.attitude_logs.inertial import LONG_S, log_of_inertial, turned
 
 FEWEST_SAMPLES = 10
 METRES, GS, LEAST_COUNTS = (5.0, 20.0), (0.5, 2.0), 100.0
@@ -26,7 +27,7 @@ PIECE_S, PIECES = 10.0, 12
 LEAST_AGREEMENT = 0.5
 """Of forces that the gyroscope carries together; with rates far too large they cancel to under a fifth."""
 CLEARER = 4.0
-TELLS = 0.02
+TELLS = 0.05
 """A unit without a name is told where the other one's loss is so many times as large, and at least this."""
 
 
@@ -50,18 +51,33 @@ def read(
     times_s, notes = read_times(table, best_columns(table.names), given, IMU_STEPS)
     if restarts(times_s):
         raise InputError(table.path, "has a clock that starts anew", "cut the table there")
+    if mostly_stands(times_s):
+        problem = "its clock stands still in most rows, as of whole seconds"
+        raise InputError(table.path, problem, "give a finer clock as time_s")
     read_rates, read_forces = (
         by_time(times_s, np.column_stack([table.numbers(name) for name in names]))
         for names in (columns.rates, columns.forces)
     )
     if min(len(read_rates[0]), len(read_forces[0])) < FEWEST_SAMPLES:
         raise InputError(table.path, f"holds under {FEWEST_SAMPLES} samples", "record again")
-    forces = by_time(read_forces[0], _m_s2(table, read_forces[1]), MOST_INERTIAL)
+    forces = by_time(read_forces[0], _m_s2(table, read_forces[1], columns.in_metres), MOST_INERTIAL)
     unit = given.angle_unit or columns.rate_unit
     gyro, told = _rad_s(table, read_rates, forces, unit)
     log = log_of_inertial(gyro, forces, frd_from_imu)
-    note = "the attitude is estimated from gyroscope and accelerometer"
-    return replace(log, of_imu=True, notes=(note, *notes, *told))
+    note = "the attitude is estimated from gyroscope and accelerometer: a few degrees off while it speeds up"
+    return replace(log, of_imu=True, notes=(note, *notes, *told, *_bias_doubt(gyro, forces)))
+
+
+def _bias_doubt(gyro: tuple[Floats, Floats], forces: tuple[Floats, Floats]) -> tuple[Doubt, ...]:
+    """What is said of a recording that does not tell the gyroscope's bias."""
+    times_s, rates = gyro
+    felt = np.stack([np.interp(times_s, forces[0], axis) for axis in forces[1].T], axis=-1)
+    if times_s[-1] - times_s[0] > LONG_S or still_bias(times_s, rates, felt) is not None:
+        return ()
+    says = (
+        "the IMU neither stands still at the start nor runs for a minute: its gyroscope's bias is not known"
+    )
+    return (Doubt(f"{says}, and with a cheap one up may be some degrees off"),)
 
 
 def _stated(table: Table, given: Given) -> Floats:
@@ -82,6 +98,8 @@ def agreement(gyro: tuple[Floats, Floats], accelerometer: tuple[Floats, Floats])
         accelerometer: times (M,) s, sorted, and forces (M, 3) m/s^2.
     """
     times_s, rates = gyro
+    # A bias would make all rates disagree. What is lost with it is a steady turn, which is about up.
+    rates = rates - rates.mean(axis=0)
     forces = np.stack([np.interp(times_s, accelerometer[0], axis) for axis in accelerometer[1].T], axis=-1)
     lengths = []
     for start_s in np.linspace(times_s[0], max(times_s[0], times_s[-1] - PIECE_S), PIECES):
@@ -106,12 +124,15 @@ def _rad_s(
     if not fitting or (unit and unit not in fitting):
         problem = "its gyroscope and accelerometer do not agree: the rates are in another unit or other axes"
         raise InputError(table.path, problem, "give rates in rad/s or degrees/s, of the accelerometer's axes")
+    best = unit or max(fitting, key=lambda name: fitting[name])
+    for factor in (0.5, 2.0):
+        times_s, rates = possible[best]
+        if _clearer(agreement((times_s, factor * rates), accelerometer), fitting[best]):
+            problem = f"its gyroscope agrees with its accelerometer if its rates are taken times {factor:g}"
+            raise InputError(table.path, problem, "correct the rates, or the clock's unit")
     if unit:
         return possible[unit], ()
-    best = max(fitting, key=lambda name: fitting[name])
-    losses = {name: max(1.0 - agreements.get(name, 0.0), 0.0) for name in by_unit}
-    other = max(loss for name, loss in losses.items() if name != best)
-    if other < TELLS or other < CLEARER * losses[best]:
+    if not all(_clearer(fitting[best], agreements.get(name, 0.0)) for name in by_unit if name != best):
         raise InputError(
             table.path, f"{table.found}; the rates have no unit", "--angle-unit rad or --angle-unit deg"
         )
@@ -119,14 +140,19 @@ def _rad_s(
     return possible[best], (f"the rates are read as {words} a second, with which the accelerometer agrees",)
 
 
-def _m_s2(table: Table, forces: Floats) -> Floats:
-    """Forces in m/s^2: their unit is told by gravity, which is most of what an accelerometer feels."""
+def _clearer(agrees: float, other: float) -> bool:
+    """Whether one reading of the rates agrees so much better than another that it is the right one."""
+    return 1.0 - other > max(TELLS, CLEARER * (1.0 - agrees))
+
+
+def _m_s2(table: Table, forces: Floats, in_metres: bool) -> Floats:
+    """Forces in m/s^2: a unit without a name is told by gravity, most of what an accelerometer feels."""
     felt = float(np.median(np.linalg.norm(forces, axis=1)))
     if METRES[0] < felt < METRES[1]:
         return forces
-    if GS[0] < felt < GS[1]:
+    if GS[0] < felt < GS[1] and not in_metres:
         return forces * GRAVITY_M_S2
-    if felt > LEAST_COUNTS:
+    if felt > LEAST_COUNTS and not in_metres:
         return forces * (GRAVITY_M_S2 / felt)
     raise InputError(
         table.path,
