@@ -5,7 +5,7 @@
 
 First: by which convention is the attitude to be read (order of a quaternion, degrees, axes of the body and
 of the world)? The one under which up goes where the turns seen in the pictures carry it. The axes of an IMU
-that a Kalibr file leads to are found in the same way.
+that a Kalibr file leads to, or whose samples are the attitude, are found in the same way.
 
 Upright edges (walls, doors, posts) show where up lies; what the attitude says otherwise, on average over
 the recording, is the mount's error; up to 36 degrees are looked for. Level edges give a second opinion on

@@ -84,7 +84,7 @@ def open_data(arguments: argparse.Namespace) -> "Recording":
 
 
 def open_finding_axes(arguments: argparse.Namespace) -> tuple["Recording", str]:
-    """As `open_data`; the axes of an IMU that the calibration does not state are found from the pictures.
+    """As `open_data`; axes of an IMU that nothing states are found from the pictures.
 
     Returns:
         The recording, and what was found in words; '' where nothing had to be.

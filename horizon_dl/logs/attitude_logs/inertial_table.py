@@ -23,6 +23,7 @@ FEWEST_SAMPLES = 10
 METRES, GS, LEAST_COUNTS = (5.0, 20.0), (0.5, 2.0), 100.0
 """Medians of a force that are m/s^2, multiples of gravity, and numbers of a sensor's own unit."""
 
+FINEST_S = 1 / 200
 PIECE_S, PIECES = 10.0, 12
 LEAST_AGREEMENT = 0.5
 """Of forces that the gyroscope carries together; with rates far too large they cancel to under a fifth."""
@@ -55,7 +56,7 @@ def read(
         problem = "its clock stands still in most rows, as of whole seconds"
         raise InputError(table.path, problem, "give a finer clock as time_s")
     read_rates, read_forces = (
-        by_time(times_s, np.column_stack([table.numbers(name) for name in names]))
+        _thinned(*by_time(times_s, np.column_stack([table.numbers(name) for name in names])))
         for names in (columns.rates, columns.forces)
     )
     if min(len(read_rates[0]), len(read_forces[0])) < FEWEST_SAMPLES:
@@ -78,6 +79,16 @@ def _bias_doubt(gyro: tuple[Floats, Floats], forces: tuple[Floats, Floats]) -> t
         "the IMU neither stands still at the start nor runs for a minute: its gyroscope's bias is not known"
     )
     return (Doubt(f"{says}, and with a cheap one up may be some degrees off"),)
+
+
+def _thinned(times_s: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Means of so many samples (N,), (N, 3) that they come 200 times a second: a few kHz tell no more."""
+    step_s = float(np.median(np.diff(times_s))) if len(times_s) > 1 else 0.0
+    count = int(FINEST_S / step_s) if step_s > 0.0 else 1
+    if count < 2:
+        return times_s, values
+    whole = len(times_s) // count * count
+    return times_s[:whole].reshape(-1, count).mean(axis=1), values[:whole].reshape(-1, count, 3).mean(axis=1)
 
 
 def _stated(table: Table, given: Given) -> Floats:
