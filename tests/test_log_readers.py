@@ -233,6 +233,10 @@ def test_another_sensors_times_are_not_the_cameras(tmp_path: Path, counted: Give
 def test_an_attitude_without_a_camera_is_not_left_out_in_silence(counted: Given, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="give --camera FILE"):
         opened(tmp_path / "set" / "left", Given(attitude=counted.attitude, needs_attitude=False))
+    (tmp_path / "film").mkdir()
+    make_films.film(tmp_path / "film" / "a.mp4", range(0, 1000, 40), size=(32, 24))
+    with pytest.raises(InputError, match="give --camera FILE"):
+        opened(tmp_path / "film" / "a.mp4", Given(attitude=counted.attitude, needs_attitude=False))
 
 
 def test_a_log_beside_a_film_is_taken(tmp_path: Path) -> None:

@@ -196,7 +196,7 @@ def test_an_attitude_of_zeros_is_said(tmp_path: Path) -> None:
         "time_s,qx,qy,qz,qw\n" + "".join(f"{k / 10},0,0,0,1\n" for k in range(9))
     )
     (note,) = read_attitude_csv(tmp_path / "log.csv").notes
-    assert "zero in every row" in note
+    assert "turns nothing in any row" in note
 
 
 def test_a_trajectory_is_said_to_be_one(tmp_path: Path) -> None:

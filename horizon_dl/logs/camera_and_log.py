@@ -1,6 +1,7 @@
 """A camera and the log of its attitude, in one body."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -9,8 +10,15 @@ from horizon_dl.calibration.mount import ImuMount
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
 from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import Given
+from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import OPTICAL_FROM_FRD
 from horizon_dl.logs.attitude_logs.registry import read_attitude
+
+
+def check_camera(where: Path, calibration: Calibration | None, given: Given) -> None:
+    """InputError where an attitude is given and no camera: it would be left out in silence."""
+    if given.attitude is not None and calibration is None:
+        raise InputError(where, "has an attitude, but no camera", "give --camera FILE beside --attitude")
 
 
 def camera_and_log(

@@ -10,7 +10,7 @@ from horizon_dl.data.given import Given
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import images_in
 from horizon_dl.errors import InputError
-from horizon_dl.logs.camera_and_log import camera_and_log
+from horizon_dl.logs.camera_and_log import camera_and_log, check_camera
 from horizon_dl.logs.log_recording import headers_by_log
 
 NAME = "film"
@@ -51,6 +51,7 @@ def read(path: Path, given: Given) -> Recording:
     if given.needs_attitude and (attitude is None or calibration is None):
         missing = "--attitude" if attitude is None else "--camera"
         raise InputError(film, f"is a film without {missing}", "a film needs --camera and --attitude")
+    check_camera(film, calibration, given)
     if attitude is None or calibration is None:
         return film_recording(film, NAME, given, calibration, None)
     calibration, log = camera_and_log(calibration, attitude, given)

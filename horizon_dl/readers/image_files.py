@@ -15,7 +15,7 @@ from horizon_dl.data.picture_times import by_shutter, picture_times
 from horizon_dl.data.source import Recording
 from horizon_dl.data.tables.parsing import IMAGE_SUFFIXES, images_in, natural, relative_name
 from horizon_dl.errors import InputError
-from horizon_dl.logs.camera_and_log import camera_and_log
+from horizon_dl.logs.camera_and_log import camera_and_log, check_camera
 from horizon_dl.logs.log_recording import headers_by_log
 from horizon_dl.readers.times_beside import times_beside
 
@@ -35,10 +35,9 @@ def read(path: Path, given: Given) -> Recording:
     Raises:
         InputError: an attitude is needed, and pictures have none, or no times to find it in the log.
     """
-    if given.attitude is not None and given.camera is None:
-        raise InputError(path, "has an attitude, but no camera", "give --camera FILE beside --attitude")
-    if given.camera is not None and given.attitude is not None:
-        calibration = read_calibration(given.camera, imu_axes=given.imu_axes)
+    calibration = None if given.camera is None else read_calibration(given.camera, imu_axes=given.imu_axes)
+    check_camera(path, calibration, given)
+    if calibration is not None and given.attitude is not None:
         calibration, attitude = camera_and_log(calibration, given.attitude, given)
         if isinstance(attitude, ConstantAttitude):
             return _with_attitude(path, attitude, calibration)

@@ -10,7 +10,7 @@ from horizon_dl.data.given import Given
 from horizon_dl.data.source import Recording
 from horizon_dl.errors import InputError
 from horizon_dl.logs.attitude_logs import sensor_logger
-from horizon_dl.logs.camera_and_log import camera_and_log
+from horizon_dl.logs.camera_and_log import camera_and_log, check_camera
 from horizon_dl.readers import image_files
 from horizon_dl.readers.film import SUFFIXES, camera_beside, film_recording, films_in
 
@@ -55,6 +55,7 @@ def read(path: Path, given: Given) -> Recording:
     named = film.stem.isdigit() and len(film.stem) == 13
     start_s = int(film.stem) * 1e-3 if named else 0.0
     calibration = None if camera is None else read_calibration(camera, imu_axes=given.imu_axes)
+    check_camera(film, calibration, given)
     log: AttitudeLog | ConstantAttitude | None = None
     if given.attitude is None:
         log = sensor_logger.read(folder)

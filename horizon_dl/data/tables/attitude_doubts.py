@@ -28,9 +28,9 @@ def attitude_doubts(table: Table, columns: Mapping[str, Column]) -> Iterator[Dou
             f"the attitude is the vehicle's, of '{first}' and so on, and '{gimbal[0]}' beside it says that "
             "the camera hangs in a gimbal; name the gimbal's columns gimbal_roll_deg and gimbal_pitch_deg"
         )
-    if stands_still(table, columns):
+    if "qw" in columns and stands_still(table, columns):
         yield Doubt(
-            "the attitude is zero in every row: it may be no estimate, but what a driver leaves blank"
+            "the quaternion turns nothing in any row: it may be no estimate, but what a driver leaves blank"
         )
     names = {"_".join(words_of(name)) for name in table.names}
     if "qw" in columns and not is_of_message(first) and any(one <= names for one in POSITIONS):
