@@ -201,6 +201,34 @@ def test_a_driver_that_estimates_nothing_leaves_the_samples(tmp_path: Path, blan
     np.testing.assert_array_equal(logs[0].quaternions, logs[1].quaternions)
 
 
+def test_a_level_attitude_beside_the_samples_is_a_statement(tmp_path: Path) -> None:
+    rows = "".join(f"{t / 50},0,0,0.1,0,0,0,0,-9.8\n" for t in range(50))
+    (tmp_path / "log.csv").write_text(f"time_s,roll_deg,pitch_deg,gx,gy,gz,ax,ay,az\n{rows}")
+    assert not read_attitude_log(tmp_path / "log.csv").of_imu
+
+
+def test_samples_that_arrive_in_batches_are_all_used(tmp_path: Path) -> None:
+    times_s, attitudes = flight(60.0)
+    samples = imu_samples(times_s, attitudes, "flu", rate_hz=100.0)
+    batched = np.repeat(samples[::10], 10, axis=0)
+    batched[:, 0] += np.tile(np.arange(10) * 2e-5, len(batched) // 10)
+    log = read_attitude_log(write_imu(tmp_path / "imu.csv", batched), Given(imu_axes="flu"))
+    assert len(samples[::10]) <= len(log.times_s) < 1.2 * len(samples[::10])
+    found = ups(Rotation.from_quat(np.roll(log.quaternions, -1, axis=1)))
+    true = imu_samples(times_s, attitudes, "frd", rate_hz=100.0)[:, 4:] / 9.81
+    true = np.stack([np.interp(log.times_s, samples[:, 0], axis) for axis in true.T], axis=-1)
+    assert np.median(angles_apart_deg(found, true)) < 1.5
+
+
+def test_a_blank_time_does_not_hide_that_the_clock_starts_anew(tmp_path: Path) -> None:
+    samples = imu_samples(*flight(), "flu")
+    middle = len(samples) // 2
+    samples[middle:, 0] -= samples[middle, 0]
+    samples[middle, 0] = np.nan
+    with pytest.raises(InputError, match="starts anew"):
+        read_attitude_log(write_imu(tmp_path / "imu.csv", samples), Given(imu_axes="flu"))
+
+
 def gyroflow_log(path: Path, samples: Floats, settings: str) -> Path:
     counts = samples / np.repeat([0.001, 0.0012, 0.0005 * 9.81], [1, 3, 3])
     rows = "\n".join(",".join(f"{value:.0f}" for value in row) for row in counts.tolist())
@@ -218,9 +246,25 @@ def test_gyroflows_log_counts_in_its_own_scales(tmp_path: Path) -> None:
     assert angles_apart_deg(first, second).max() < 0.5
     other = read_attitude_log(tmp_path / "a.gcsv", Given(imu_axes="flu", time_unit="ms", angle_unit="deg"))
     np.testing.assert_array_equal(other.quaternions, log.quaternions)  # its own head counts
+    whole = (tmp_path / "a.gcsv").read_text()
+    for odd in (
+        whole.replace("id,made", 'note,"never closed'),
+        whole.replace("az\n", "az,\n"),
+        whole.replace("id,made", "id," + "a" * 200_000),
+    ):
+        (tmp_path / "a.gcsv").write_text(odd)
+        again = read_attitude_log(tmp_path / "a.gcsv", Given(imu_axes="flu"))
+        np.testing.assert_array_equal(again.quaternions, log.quaternions)
+    for bad in ("nan", "0", "inf", "1e-320", "x"):
+        (tmp_path / "a.gcsv").write_text(whole.replace("tscale,0.001", f"tscale,{bad}"))
+        with pytest.raises(InputError, match=r"a\.gcsv"):
+            read_attitude_log(tmp_path / "a.gcsv", Given(imu_axes="flu"))
+    (tmp_path / "a.gcsv").write_text(whole[: whole.index("az\n") + 3] + "1,2\n" * 9)
+    with pytest.raises(InputError, match="no rows of 7 cells"):
+        read_attitude_log(tmp_path / "a.gcsv", Given(imu_axes="flu"))
     for lacking in ("tscale,0.001\n", "gscale,0.0012\n"):
         path = gyroflow_log(tmp_path / "b.gcsv", samples, settings.replace(lacking, ""))
-        with pytest.raises(InputError, match=r"b\.gcsv: has no usable scale"):
+        with pytest.raises(InputError, match=r"b\.gcsv: has no usable"):
             read_attitude_log(path, Given(imu_axes="flu"))
 
 

@@ -2,6 +2,7 @@
 
 import os
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import make_films
@@ -142,6 +143,14 @@ TIMES = {
 }
 
 
+@pytest.mark.parametrize("lines", [[f"{100 + k}.0" for k in range(5)], ["time_s", *"01234"]])
+def test_a_picture_a_second_is_no_count(tmp_path: Path, counted: Given, lines: list[str]) -> None:
+    (tmp_path / "set" / "timestamps.txt").write_text("\n".join(lines))
+    start_s = float(lines[-5])
+    recording = opened(tmp_path / "set" / "left", replace(counted, time_offset_s=start_s - 100.0))
+    assert [header.time_s for header in recording.headers] == [start_s + k for k in range(5)]
+
+
 @pytest.mark.parametrize("name", ["timestamps.txt", "left/times.txt", "left_timestamps.csv"])
 @pytest.mark.parametrize("kind", TIMES)
 def test_a_list_of_times_beside_the_pictures(tmp_path: Path, counted: Given, kind: str, name: str) -> None:
@@ -160,6 +169,7 @@ def test_a_list_of_times_beside_the_pictures(tmp_path: Path, counted: Given, kin
         [f"{100_000 + 5 * k}" for k in range(5)],  # 200 a second, or one in 5 seconds
         [f"{100 + k} {300 + k}" for k in range(5)],
         ["name", *"abcde"],
+        ["1,010", "2,025", "3,041", "4,055", "5,070"],
     ],
 )
 def test_a_list_that_does_not_fit_is_named(tmp_path: Path, counted: Given, lines: list[str]) -> None:
@@ -228,6 +238,27 @@ def test_another_sensors_times_are_not_the_cameras(tmp_path: Path, counted: Give
         opened(tmp_path / "set" / "left", counted)
     (tmp_path / "set" / "timestamps.txt").write_text("\n".join(TIMES["seconds"]))
     assert pitches_rad(opened(tmp_path / "set" / "left", counted)) == RIGHT
+
+
+def test_a_log_beside_a_film_that_needs_none_does_not_stop_it(tmp_path: Path) -> None:
+    make_films.film(tmp_path / "a.mp4", range(0, 1000, 40), size=(32, 24))
+    (tmp_path / "camera.yaml").write_text(make_sets.CAMERA_YAML)
+    samples = "".join(f"{k},{k % 3},0,0,0,0,1\n" for k in range(1000))
+    settings = "tscale,0.001\ngscale,0.1\nascale,1\nt,gx,gy,gz,ax,ay,az\n"
+    (tmp_path / "a.gcsv").write_text(f"GYROFLOW IMU LOG\n{settings}{samples}")
+    with pytest.raises(InputError, match="--imu-axes"):
+        opened(tmp_path / "a.mp4")
+    assert opened(tmp_path / "a.mp4", Given(needs_attitude=False)).length == 25
+    rows = "\n".join(f"{n / 50:.2f},0.0,0.1,0.0" for n in range(60))
+    (tmp_path / "a.csv").write_text(f"time_s,roll_rad,pitch_rad,yaw_rad\n{rows}\n")
+    assert len(known_ups(opened(tmp_path / "a.mp4").headers)) == 25  # the attitude, and not the samples
+
+
+def test_a_phones_pictures_without_a_camera_can_be_looked_at(tmp_path: Path) -> None:
+    for name in ("Gravity.csv", "Metadata.csv"):
+        (tmp_path / name).write_text("time,seconds_elapsed,x,y,z\n1600000000000000000,0,0,9.8,0\n")
+    make_sets.save_image(tmp_path / "Camera" / "1600000000000.png")
+    assert opened(tmp_path, Given(needs_attitude=False)).length == 1
 
 
 def test_an_attitude_without_a_camera_is_not_left_out_in_silence(counted: Given, tmp_path: Path) -> None:

@@ -245,3 +245,49 @@ def test_a_line_of_units_below_the_names_counts(tmp_path: Path) -> None:
     logs = [read_attitude_csv(tmp_path / name) for name in ("log.csv", "plain.csv")]
     np.testing.assert_array_equal(logs[0].times_s, logs[1].times_s)
     np.testing.assert_array_equal(logs[0].quaternions, logs[1].quaternions)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("first", ["", "# 飛行ログのデータ\n", "# \U0001f681\U0001f681\U0001f681\n"])
+def test_letters_of_any_script_may_stand_anywhere(tmp_path: Path, first: str, encoding: str) -> None:
+    rows = "".join(f"{k / 10},{k % 5},{-k % 7}\n" for k in range(60))
+    text = f"{first}timestamp [s],roll [°],pitch [°]\n{rows}"
+    for shift in range(12):
+        (tmp_path / "log.csv").write_bytes(("#" * shift + "\n" + text).encode(encoding))
+        assert len(read_attitude_csv(tmp_path / "log.csv").times_s) == 60
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_the_head_of_a_long_table_is_cut_between_lines(tmp_path: Path, encoding: str) -> None:
+    lines = ["name,vålue", *(f"{k},é飛\U0001f681" for k in range(300))]
+    (tmp_path / "a.csv").write_bytes("\n".join(lines).encode(encoding))
+    whole = read_table(tmp_path / "a.csv")
+    for head_bytes in range(200, 240):
+        head = read_table(tmp_path / "a.csv", head_bytes)
+        assert head.names == whole.names
+        assert head.rows == whole.rows[: len(head.rows)]
+        assert 3 < len(head.rows) < 60
+
+
+def test_a_pitch_that_counts_on_is_one(tmp_path: Path) -> None:
+    rows = "".join(f"{k / 10},5,{(355 + k % 10) % 360}\n" for k in range(60))
+    (tmp_path / "log.csv").write_text("time_s,roll_deg,pitch_deg\n" + rows)
+    assert len(read_attitude_csv(tmp_path / "log.csv").times_s) == 60
+
+
+def test_microseconds_of_the_whole_time_are_not_added(tmp_path: Path) -> None:
+    rows = "".join(f"{k / 10},{k * 100_000},5,{k % 9}\n" for k in range(60))
+    (tmp_path / "log.csv").write_text("time_sec,time_usec,roll_deg,pitch_deg\n" + rows)
+    np.testing.assert_allclose(read_attitude_csv(tmp_path / "log.csv").times_s, np.arange(60) / 10)
+
+
+@pytest.mark.parametrize("header", ["time", "seconds,ts", "device_timestamp,cts"])
+def test_a_fast_clock_and_counters_beside_it(tmp_path: Path, header: str) -> None:
+    beside = header.count(",")
+    rows = "".join(f"{k / 2500:.4f}{',7' * beside},5,{k % 9}\n" for k in range(60))
+    (tmp_path / "log.csv").write_text(f"{header},roll_deg,pitch_deg\n{rows}")
+    np.testing.assert_allclose(read_attitude_csv(tmp_path / "log.csv").times_s, np.arange(60) / 2500)
+
+
+def test_a_part_of_a_quaternion_is_no_trajectory(tmp_path: Path) -> None:
+    assert not with_columns(tmp_path / "log.csv", ",qi,tx,ty,tz", "1", "1", "2", "3")

@@ -17,6 +17,8 @@ from horizon_dl.errors import InputError
 
 Floats = NDArray[np.float64]
 
+LEAST_UNIX_DIGITS = 9
+"""Shorter whole numbers that grow by one may be numbers of pictures."""
 NAME = re.compile(r"(?:(.*)[_-])?(?:time_?stamps?|times|stamps)\.(?:txt|csv|tsv)")
 """Names of lists; what stands before is the name of their folder of pictures."""
 
@@ -39,9 +41,8 @@ def listed_times(pictures: Path, count: int, given: Given) -> tuple[Floats, tupl
         problem = f"has {len(table.rows)} lines for {count} pictures"
         raise InputError(table.path, problem, "give a line for each, or a table of image and time_s")
     times_s, notes = read_times(table, find_columns(table), given, CAMERA_STEPS)
-    steps = np.diff(times_s)
-    if not (steps > 0).all() or (given.time_unit is None and count > 1 and (steps == 1.0).all()):
-        raise InputError(table.path, "holds no times that grow, or counts", "give a time for each picture")
+    if not (np.diff(times_s) > 0).all():
+        raise InputError(table.path, "holds no times that grow", "give a time for each picture")
     return times_s, notes
 
 
@@ -62,7 +63,7 @@ def _is_of(path: Path, pictures: Path) -> bool:
 
 def _table(path: Path) -> Table:
     """The list with names for its columns: its own, or those of lines `time` and `number time`."""
-    lines = [line.strip() for line in read_lines(path)]
+    lines = [line.strip(" \t,;") for line in read_lines(path)]
     bare = [line for line in lines if not line.startswith(COMMENTS)]
     if not bare:
         raise InputError(path, "holds no times", "give a line for each picture")
@@ -70,10 +71,16 @@ def _table(path: Path) -> Table:
         return read_table(path)
     if re.search(r"\d:\d", bare[0]):  # dates and times of day have blanks in them
         return Table(path, ("time",), tuple((line,) for line in bare))
+    if all(re.fullmatch(r"\d+,\d{1,3}", line) for line in bare):
+        problem = "may have decimal commas, or two columns"
+        raise InputError(path, problem, "write decimal points, or name the columns, the times time_s")
     rows = [re.split(r"[,;\s]+", line) for line in bare]
     place = 1 if min(map(len, rows)) > 1 and _counts([row[0] for row in rows]) else 0
     if place == 0 and max(map(len, rows)) > 1:
         raise InputError(path, "has several columns without names", "name them, the times time_s")
+    column = [row[place] for row in rows]
+    if all(cell.isdigit() and len(cell) < LEAST_UNIX_DIGITS for cell in column) and _counts(column):
+        raise InputError(path, "counts, which tells no times", "name the column time_s if it is seconds")
     return Table(path, ("time",), tuple((row[place],) for row in rows))
 
 

@@ -32,7 +32,7 @@ def camera_and_log(
     Raises:
         InputError: see `read_attitude`; AxesNotStatedError where an IMU's axes have to be known.
     """
-    stated = replace(given, imu_axes=calibration.imu_axes)
+    stated = replace(given, imu_axes=calibration.imu_axes or given.imu_axes)
     if not isinstance(calibration.mount, ImuMount):
         return calibration, read_attitude(attitude, stated)
     imu_from_camera = np.array(calibration.mount.imu_from_camera).reshape(3, 3)

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from horizon_dl.calibration.calibration import Calibration, read_calibration
+from horizon_dl.calibration.mount import AxesNotStatedError
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
 from horizon_dl.data.convention import Convention, reading_with
 from horizon_dl.data.film_frames import FilmLoader, time_stamps
@@ -18,7 +19,7 @@ NEEDS = "a film (mp4, mov, avi, mkv, webm), with --camera and --attitude"
 SUFFIXES = {".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".ts", ".3gp", ".mts"}
 
 
-LOG_SUFFIXES = (".ulg", ".bin", ".log", ".gcsv", ".csv", ".srt")
+LOG_SUFFIXES = (".ulg", ".bin", ".log", ".csv", ".srt", ".gcsv")
 """Of a log beside the film that has its name; in the order in which they are looked for."""
 
 
@@ -54,7 +55,12 @@ def read(path: Path, given: Given) -> Recording:
     check_camera(film, calibration, given)
     if attitude is None or calibration is None:
         return film_recording(film, NAME, given, calibration, None)
-    calibration, log = camera_and_log(calibration, attitude, given)
+    try:
+        calibration, log = camera_and_log(calibration, attitude, given)
+    except AxesNotStatedError:
+        if given.needs_attitude or given.attitude is not None:
+            raise
+        log = None  # it only lies beside the film, and is not needed
     return film_recording(film, NAME, given, calibration, log)
 
 

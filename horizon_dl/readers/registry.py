@@ -61,7 +61,7 @@ MODULES: tuple[Reader, ...] = (
 DEEPEST, MOST_FOLDERS = 3, 300
 """How far below a folder its recordings are looked for."""
 
-OWN_ATTITUDE = {"kitti", "tum", "euroc", "paparazzi", "tartanair"}
+OWN_ATTITUDE = {"kitti", "tum", "euroc", "paparazzi", "tartanair", "dji_photos"}
 OWN_CAMERA = {"kitti", "kitti_odometry"}
 
 READERS = {reader.NAME: reader for reader in MODULES}

@@ -28,7 +28,7 @@ from horizon_dl.logs.bags.mounted import Mounted, mounted
 from horizon_dl.logs.bags.pixels import bits_of, is_wide, picture
 from horizon_dl.logs.bags.storage import Bag, Topic
 from horizon_dl.logs.bags.transforms import read_transforms
-from horizon_dl.logs.camera_and_log import camera_and_log
+from horizon_dl.logs.camera_and_log import camera_and_log, check_camera
 from horizon_dl.logs.log_recording import headers_by_log
 
 Floats = NDArray[np.float64]
@@ -62,6 +62,7 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     arrivals = np.array([place.arrival_ns * NANOSECOND for place in places])
     times = arrivals if headless else stamps
     calibration, notes = _calibration(bag, images, frame, shape, given)
+    check_camera(path, calibration, given)
     turns = 0 if calibration is None else calibration.rotate_quarter_turns_ccw
     order = np.argsort(times, kind="stable")
     headers = [FrameHeader(f"{n:06d}", float(times[k])) for n, k in enumerate(order)]

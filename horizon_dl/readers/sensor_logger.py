@@ -42,7 +42,8 @@ def read(path: Path, given: Given) -> Recording:
         camera = given.camera or camera_beside(_pictures(folder)[0])
         if camera is None and given.needs_attitude:
             raise InputError(path, "does not tell its camera", "give it with --camera")
-        told = replace(given, camera=camera, attitude=given.attitude or str(folder))
+        own = None if camera is None else str(folder)
+        told = replace(given, camera=camera, attitude=given.attitude or own)
         return replace(image_files.read(folder / CAMERA, told), name=folder.resolve().name)
     films = [path] if path.is_file() else [] if folder is None else _films(folder)
     if folder is None or not films:

@@ -79,7 +79,9 @@ def read_times(table: Table, columns: Columns, given: Given, steps: Steps) -> tu
     values = table.numbers(column.name, "write numbers, or dates as 2024-05-01 12:30:00.25")
     rest = parts_beside(table, column)
     if rest is not None:
-        return values + rest[1] * table.numbers(rest[0]), ()
+        parts_s = rest[1] * table.numbers(rest[0])
+        if ((parts_s >= 0.0) & (parts_s < 1.0) | np.isnan(parts_s)).all():
+            return values + parts_s, ()
     unit = given.time_unit or _decided(table, clock_unit, values, column.unit, steps)
     named = column.unit or "s"
     note = f"column '{column.name}' is read as {UNIT_NAMES[unit]}, which alone fits its numbers"
@@ -142,9 +144,8 @@ def _angles_rad(table: Table, columns: Columns, given: Given) -> tuple[Floats, t
         levels = [raw[role] for role in group if role != "yaw"]
         headings = [raw[role] for role in group if role == "yaw"]
         unit = given.angle_unit or _decided(table, angle_unit, levels, headings, named)
-        if unit == "deg" and "pitch" in group and often_over(raw["pitch"], MOST_PITCH_DEG):
-            problem = f"'{columns['pitch'].name}' is over {MOST_PITCH_DEG:.0f} degrees, which no pitch is"
-            raise InputError(table.path, problem, "divide tenths or hundredths of a degree; --angle-unit rad")
+        if unit == "deg" and "pitch" in group and given.angle_unit is None:
+            _check_pitch(table, columns["pitch"], raw["pitch"])
         for role in group:
             place = ("roll", "pitch", "yaw").index(role)
             in_degrees = unit == "deg" or (role == "yaw" and named is None and counts_degrees(raw[role]))
@@ -153,6 +154,13 @@ def _angles_rad(table: Table, columns: Columns, given: Given) -> tuple[Floats, t
             names = ", ".join(columns[role].name for role in group)
             notes.append(f"{names} are read as degrees: as radians they are over a full turn")
     return angles, tuple(notes)
+
+
+def _check_pitch(table: Table, column: Column, pitches_deg: Floats) -> None:
+    """InputError for tenths of a degree and the like; turns that are counted on do not matter."""
+    if often_over((pitches_deg + 180.0) % 360.0 - 180.0, MOST_PITCH_DEG):
+        problem = f"'{column.name}' is over {MOST_PITCH_DEG:.0f} degrees, which no pitch is"
+        raise InputError(table.path, problem, "divide tenths or hundredths of a degree, or --angle-unit deg")
 
 
 def _optional(table: Table, columns: Columns, role: str) -> Floats:

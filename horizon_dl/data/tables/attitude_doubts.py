@@ -6,16 +6,16 @@ import numpy as np
 
 from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.tables.columns import Column, is_of_message, words_of
-from horizon_dl.data.tables.find_columns import columns_beside, gimbal_columns
+from horizon_dl.data.tables.find_columns import QUATERNION, columns_beside, gimbal_columns
 from horizon_dl.data.tables.table import Table
 
-VECTOR = ("qx", "qy", "qz")
 POSITIONS = ({"tx", "ty", "tz"}, {"px", "py", "pz"}, {"p_x", "p_y", "p_z"}, {"pos_x", "pos_y", "pos_z"})
 
 
 def attitude_doubts(table: Table, columns: Mapping[str, Column]) -> Iterator[Doubt]:
     """Doubts about the attitude that the columns, by role, hold."""
-    first = columns["qw" if "qw" in columns else "roll"].name
+    by_quaternion = set(QUATERNION) <= columns.keys()
+    first = columns["qw" if by_quaternion else "roll"].name
     others = columns_beside(table, dict(columns))
     if others:
         yield Doubt(
@@ -28,22 +28,21 @@ def attitude_doubts(table: Table, columns: Mapping[str, Column]) -> Iterator[Dou
             f"the attitude is the vehicle's, of '{first}' and so on, and '{gimbal[0]}' beside it says that "
             "the camera hangs in a gimbal; name the gimbal's columns gimbal_roll_deg and gimbal_pitch_deg"
         )
-    if "qw" in columns and stands_still(table, columns):
+    if turns_nothing(table, columns):
         yield Doubt(
             "the quaternion turns nothing in any row: it may be no estimate, but what a driver leaves blank"
         )
     names = {"_".join(words_of(name)) for name in table.names}
-    if "qw" in columns and not is_of_message(first) and any(one <= names for one in POSITIONS):
+    if by_quaternion and not is_of_message(first) and any(one <= names for one in POSITIONS):
         yield Doubt(
             "the quaternion stands beside positions, as of a trajectory, whose body and world are seldom FRD "
             "and NED, as which it is read; check-data finds them, or --convention 'flu z-up', 'rdf z-up', ..."
         )
 
 
-def stands_still(table: Table, columns: Mapping[str, Column]) -> bool:
-    """Whether the attitude turns nothing in any row: zeros, as drivers write that have no estimate."""
-    roles = VECTOR if "qw" in columns else ("roll", "pitch")
-    if not set(roles) <= columns.keys():
+def turns_nothing(table: Table, columns: Mapping[str, Column]) -> bool:
+    """Whether a quaternion turns nothing in any row, as drivers write that have no estimate."""
+    if not set(QUATERNION) <= columns.keys():
         return False
-    values = np.stack([table.numbers(columns[role].name) for role in roles])
-    return bool(np.isfinite(values).any() and (np.nan_to_num(values) == 0.0).all())
+    vectors = np.stack([table.numbers(columns[role].name) for role in QUATERNION[1:]])
+    return bool(np.isfinite(vectors).any() and (np.nan_to_num(vectors) == 0.0).all())

@@ -26,9 +26,7 @@ KEYS = {
     "sourcefile rgb name",
     "time": "time timestamp time_stamp t stamp elapsed elapsed_time time_elapsed seconds_elapsed unix "
     "unix_time unixtime unix_timestamp epoch epoch_time time_boot time_since_boot utc utc_time "
-    "header_stamp time_utc time_unix datetime date_time offset_time clock_offset_time fly_time osd_fly_time "
-    "update_time custom_update_time time_startup logging_time logging_time_txt time_since_start "
-    "time_since_start_in sample_time timestamp_since_reboot cts ts",
+    "header_stamp time_utc time_unix datetime date_time",
     "roll": "roll phi roll_angle angle_roll bank",
     "pitch": "pitch ptch theta pitch_angle angle_pitch",
     "yaw": "yaw psi heading hdg yaw_angle angle_yaw azimuth",
@@ -43,6 +41,12 @@ PREFIXES = (
     *("att", "attitude", "body", "vehicle", "drone", "uav", "robot", "imu", "pose", "camera", "cam"),
     *("header", "rosbag", "frame", "image", "log", "sensor", "system", "device"),
 )
+SELDOM_TIMES = (
+    *("offset_time", "clock_offset_time", "fly_time", "osd_fly_time", "update_time", "custom_update_time"),
+    *("time_startup", "logging_time", "logging_time_txt", "time_since_start", "time_since_start_in"),
+    *("timestamp_since_reboot", "cts", "ts"),
+)
+"""Keys of single programs, which count where no other column is a time."""
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "ft": 0.3048}
 UNIT_WORDS = {
@@ -110,6 +114,8 @@ def match(name: str, role: str) -> tuple[int, Column] | None:
         key, bare = "_".join(rest), "_".join(rest[1:])
         if key in keys:
             return keys.index(key), Column(name, unit)
+        if role == "time" and key in SELDOM_TIMES:
+            return 3 * len(keys) + SELDOM_TIMES.index(key), Column(name, unit)
         if rest and rest[0] in PREFIXES and bare in keys:
             return len(keys) + keys.index(bare), Column(name, unit)
         if is_of_message(name):

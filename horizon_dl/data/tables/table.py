@@ -94,7 +94,9 @@ def number(cell: str) -> float:
 
 
 def read_table(path: Path, head_bytes: int | None = None) -> Table:
-    """The table in a text file; the first line that is no comment and as wide as the rows names its columns.
+    """The table in a text file; the first line that is no comment names its columns.
+
+    Lines that a device writes before that line, of other widths than the rows', are passed over.
 
     Args:
         path: of the file.

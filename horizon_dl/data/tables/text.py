@@ -38,16 +38,20 @@ def read_lines(path: Path, head_bytes: int | None = None) -> list[str]:
         check_regular(path, MOST_TEXT)
         with path.open("rb") as file:
             data = file.read(-1 if head_bytes is None else head_bytes)
-        text = decoded(data)
+        text = decoded(_whole_lines(data) if len(data) == head_bytes else data)
     except FileNotFoundError:
         raise InputError(path, "is missing", "restore the file") from None
     except (OSError, UnicodeDecodeError) as error:
         way_out = NO_TEXT.get(path.suffix.lower(), "check the file")
         raise InputError(path, f"cannot be read as text ({type(error).__name__})", way_out) from None
-    lines = text.splitlines()
-    if head_bytes is not None and len(data) == head_bytes and len(lines) > 1:
-        lines.pop()  # cut
-    return [line for line in lines if line.strip()]
+    return [line for line in text.splitlines() if line.strip()]
+
+
+def _whole_lines(data: bytes) -> bytes:
+    """The start of a file up to its last whole line; all of it where it has none."""
+    ends = (b"\n\0", b"\0\n") if b"\0" in data else (b"\n",)  # UTF-16 has two bytes a letter
+    end = max(data.rfind(one) + len(one) if one in data else 0 for one in ends)
+    return data[:end] or data
 
 
 def decoded(data: bytes) -> str:

@@ -12,6 +12,7 @@ from horizon_dl.data.tables.columns import TIME_UNITS
 Floats = NDArray[np.float64]
 
 UNIT_NAMES = {"s": "seconds", "ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}
+DAY_S = 86400.0
 EPOCH_S = (1e9, 2.3e9)
 """Unix time from 2001 to 2042."""
 
@@ -77,9 +78,9 @@ def clock_unit(values: Floats, named: str | None, steps: Steps) -> str:
         return "s"
     if len(fitting) == 1 and (not named or epoch or steps.useless_beyond):
         return fitting[0]
-    if not fitting and not named and step < steps.shortest_s:
-        looks = f"time steps by {step:g}, which is in no unit a step of a camera or log"
-        raise DoubtError(looks, "write seconds; a spreadsheet's days times 86400")
+    if not fitting and not named and steps.shortest_s <= step * DAY_S <= steps.longest_s:
+        looks = f"time looks like days, as of a spreadsheet, by its steps of {step:g}"
+        raise DoubtError(looks, "write seconds: days times 86400; or --time-unit s if that is right")
     if not fitting:
         return named or "s"
     looks = f"time looks like {' or '.join(UNIT_NAMES[unit] for unit in fitting)}, by its steps of {step:g}"

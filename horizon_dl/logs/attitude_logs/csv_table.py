@@ -8,7 +8,7 @@ import numpy as np
 from horizon_dl.data.attitude_log import AttitudeLog, Floats
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.tables.attitude_columns import has_attitude
-from horizon_dl.data.tables.attitude_doubts import stands_still
+from horizon_dl.data.tables.attitude_doubts import turns_nothing
 from horizon_dl.data.tables.attitude_table import read_attitude_table
 from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.inertial_columns import inertial_columns
@@ -36,7 +36,7 @@ def read(path: Path, given: Given = NOTHING_GIVEN, frd_from_imu: Floats | None =
     else:
         table = read_table(path)
     columns, inertial = find_columns(table), inertial_columns(table.names)
-    estimated = has_attitude(columns) and not stands_still(table, columns)
+    estimated = has_attitude(columns) and not turns_nothing(table, columns)
     if inertial is not None and not estimated:
         return inertial_table.read(table, inertial, given, frd_from_imu)
     rows = read_attitude_table(table, given)

@@ -50,9 +50,10 @@ def read(
     """
     frd_from_imu = _stated(table, given) if frd_from_imu is None else frd_from_imu
     times_s, notes = read_times(table, best_columns(table.names), given, IMU_STEPS)
-    if restarts(times_s):
+    known_s = times_s[np.isfinite(times_s)]
+    if restarts(known_s):
         raise InputError(table.path, "has a clock that starts anew", "cut the table there")
-    if mostly_stands(times_s):
+    if mostly_stands(known_s):
         problem = "its clock stands still in most rows, as of whole seconds"
         raise InputError(table.path, problem, "give a finer clock as time_s")
     read_rates, read_forces = (
@@ -82,13 +83,13 @@ def _bias_doubt(gyro: tuple[Floats, Floats], forces: tuple[Floats, Floats]) -> t
 
 
 def _thinned(times_s: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Means of so many samples (N,), (N, 3) that they come 200 times a second: a few kHz tell no more."""
-    step_s = float(np.median(np.diff(times_s))) if len(times_s) > 1 else 0.0
-    count = int(FINEST_S / step_s) if step_s > 0.0 else 1
-    if count < 2:
+    """Samples (N,), (N, 3) of a few kHz as their means over a 200th of a second each: more tell no more."""
+    if len(times_s) < 2 or float(np.median(np.diff(times_s))) > FINEST_S / 2:
         return times_s, values
-    whole = len(times_s) // count * count
-    return times_s[:whole].reshape(-1, count).mean(axis=1), values[:whole].reshape(-1, count, 3).mean(axis=1)
+    bins = np.floor((times_s - times_s[0]) / FINEST_S)
+    starts = np.flatnonzero(np.diff(bins, prepend=-1.0))
+    counts = np.diff(starts, append=len(times_s))
+    return np.add.reduceat(times_s, starts) / counts, np.add.reduceat(values, starts) / counts[:, None]
 
 
 def _stated(table: Table, given: Given) -> Floats:
