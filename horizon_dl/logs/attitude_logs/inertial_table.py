@@ -29,7 +29,12 @@ LEAST_AGREEMENT = 0.5
 """Of forces that the gyroscope carries together; with rates far too large they cancel to under a fifth."""
 CLEARER = 4.0
 TELLS = 0.05
-"""A unit without a name is told where the other one's loss is so many times as large, and at least this."""
+"""A unit without a name is told where the other one's loss is so many times as large, and at least this.
+
+These were set by made flights, and looked at on one EuRoC flight and two GoPro films: with the right unit
+the agreement is .98 to 1.00 there, with degrees taken for radians .13 to .31, or all the same where it hardly
+turns; half and twice the rates are told apart by none of them, so that those are asked about or let pass.
+"""
 
 
 def read(
