@@ -18,7 +18,7 @@ from horizon_dl.logs.attitude_logs.registry import read_attitude
 def check_camera(where: Path, calibration: Calibration | None, given: Given) -> None:
     """InputError where an attitude is given and no camera: it would be left out in silence."""
     if given.attitude is not None and calibration is None:
-        raise InputError(where, "has an attitude, but no camera", "give --camera FILE beside --attitude")
+        raise InputError(where, "has an attitude, which needs to know the camera", "give --camera FILE")
 
 
 def camera_and_log(
