@@ -53,15 +53,18 @@ class ImuMount:
     field: str
     imu_from_camera: tuple[float, ...]
 
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """`imu_from_camera` (3, 3)."""
+        return np.array(self.imu_from_camera).reshape(3, 3)
+
     def rpy(self, axes: str) -> Mount:
         """Roll, pitch, yaw (rad) of the camera in the body (FRD) if the IMU has the named axes, as `flu`.
 
         Raises:
             InputError: no axes have this name.
         """
-        imu_from_camera = np.array(self.imu_from_camera).reshape(3, 3)
-        frd_from_imu = rotation_of_axes(axes, self.path)
-        return rpy_from_rotation(frd_from_imu @ imu_from_camera @ OPTICAL_FROM_FRD)
+        return rpy_from_rotation(rotation_of_axes(axes, self.path) @ self.matrix @ OPTICAL_FROM_FRD)
 
     def question(self) -> AxesNotStatedError:
         """What to ask where the axes are needed."""

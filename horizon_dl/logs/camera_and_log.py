@@ -3,8 +3,6 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from horizon_dl.calibration.calibration import Calibration
 from horizon_dl.calibration.mount import ImuMount
 from horizon_dl.data.attitude_log import AttitudeLog, ConstantAttitude
@@ -35,8 +33,7 @@ def camera_and_log(
     stated = replace(given, imu_axes=calibration.imu_axes or given.imu_axes)
     if not isinstance(calibration.mount, ImuMount):
         return calibration, read_attitude(attitude, stated)
-    imu_from_camera = np.array(calibration.mount.imu_from_camera).reshape(3, 3)
-    log = read_attitude(attitude, stated, OPTICAL_FROM_FRD.T @ imu_from_camera.T)
+    log = read_attitude(attitude, stated, OPTICAL_FROM_FRD.T @ calibration.mount.matrix.T)
     if not isinstance(log, AttitudeLog) or not log.of_imu:
         return calibration, log
     taken = Doubt(

@@ -19,12 +19,11 @@ from horizon_dl.data.frame import FrameHeader
 from horizon_dl.data.given import NOTHING_GIVEN, Given
 from horizon_dl.data.image_folder import FrameFiles, image_recording
 from horizon_dl.data.source import Recording
-from horizon_dl.data.tables.attitude_columns import convention_of, read_attitudes
+from horizon_dl.data.tables.attitude_columns import convention_of, read_attitudes, require_attitude
 from horizon_dl.data.tables.columns import Column
 from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.parsing import MOST_HEIGHT_M, relative_name
 from horizon_dl.data.tables.table import Table, read_table
-from horizon_dl.errors import InputError
 from horizon_dl.geometry.attitude import up_in_camera
 from horizon_dl.logs.camera_and_log import camera_and_log
 from horizon_dl.logs.log_recording import headers_by_log
@@ -91,9 +90,7 @@ def _headers(
     given: Given,
 ) -> tuple[list[FrameHeader], tuple[str, ...]]:
     """What the table's own attitudes tell of the frames, and notes."""
-    if {"qw", "roll", "pitch"}.isdisjoint(columns):
-        hint = "add roll_rad and pitch_rad, or a quaternion, or give --attitude LOG"
-        raise InputError(table.path, f"has no attitude; {table.found}", hint)
+    require_attitude(table, columns, "add roll_rad and pitch_rad, or a quaternion, or give --attitude LOG")
     mount = calibration.mount_rpy_rad
     rows = read_attitudes(table, columns, given)
     headers = [

@@ -19,6 +19,7 @@ from horizon_dl.data.tables.columns import (
     parts_beside,
     require,
 )
+from horizon_dl.data.tables.find_columns import ANGLES, QUATERNION
 from horizon_dl.data.tables.iso_time import seconds_of_dates
 from horizon_dl.data.tables.parsing import usable_quaternions
 from horizon_dl.data.tables.table import Table
@@ -36,7 +37,6 @@ from horizon_dl.geometry.attitude import quaternion_from_rpy, yaw_of
 
 Floats = NDArray[np.float64]
 Columns = dict[str, Column]
-QUATERNION = ("qw", "qx", "qy", "qz")
 MOST_PITCH_DEG = 140.0
 """A vehicle's ends at 90; gimbals look back under themselves."""
 
@@ -62,7 +62,13 @@ class AttitudeColumns:
 
 def has_attitude(columns: Mapping[str, Column]) -> bool:
     """Whether columns by role are those of a whole attitude."""
-    return {"roll", "pitch"} <= columns.keys() or set(QUATERNION) <= columns.keys()
+    return set(ANGLES) <= columns.keys() or set(QUATERNION) <= columns.keys()
+
+
+def require_attitude(table: Table, columns: Mapping[str, Column], way_out: str) -> None:
+    """InputError where no column is one of an attitude; the error names the columns that are there."""
+    if {*ANGLES, QUATERNION[0]}.isdisjoint(columns):
+        raise InputError(table.path, f"has no attitude; {table.found}", way_out)
 
 
 def read_times(table: Table, columns: Columns, given: Given, steps: Steps) -> tuple[Floats, tuple[str, ...]]:

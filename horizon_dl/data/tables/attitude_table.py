@@ -7,13 +7,15 @@ from numpy.typing import NDArray
 
 from horizon_dl.data.doubt import Doubt
 from horizon_dl.data.given import NOTHING_GIVEN, Given
-from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times
+from horizon_dl.data.tables.attitude_columns import read_attitudes, read_times, require_attitude
 from horizon_dl.data.tables.find_columns import find_columns
 from horizon_dl.data.tables.table import Table
 from horizon_dl.data.tables.units import LOG_STEPS
 from horizon_dl.errors import InputError
 
 Floats = NDArray[np.float64]
+
+NEEDED = "needed are time_s, roll_rad, pitch_rad, or a gyroscope's and an accelerometer's x, y, z"
 
 MOST_RESTARTS = 3
 """Falls of a clock; with more of them rows are merely out of order."""
@@ -48,9 +50,7 @@ def read_attitude_table(table: Table, given: Given = NOTHING_GIVEN) -> AttitudeR
         InputError: missing, a column is missing, a unit is not certain, or no row has an attitude.
     """
     columns = find_columns(table)
-    if {"qw", "roll", "pitch"}.isdisjoint(columns):
-        needed = "needed are time_s, roll_rad, pitch_rad, or a gyroscope's and an accelerometer's x, y, z"
-        raise InputError(table.path, f"has no attitude; {table.found}", needed)
+    require_attitude(table, columns, NEEDED)
     times_s, notes = read_times(table, columns, given, LOG_STEPS)
     rows = read_attitudes(table, columns, given)
     good = np.isfinite(times_s) & np.isfinite(rows.quaternions).all(axis=-1)

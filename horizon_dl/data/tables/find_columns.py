@@ -29,9 +29,7 @@ def columns_beside(table: Table, columns: dict[str, Column]) -> list[str]:
 def gimbal_columns(table: Table) -> list[str]:
     """Columns of a gimbal's angle, whole or not, as far as they tell one."""
     named = [name for name in table.names if words_of(name)[:1] == ["gimbal"]]
-    angles = [
-        name for name in named if {"roll", "pitch", "tilt"} & {*words_of(name), _without(name, "gimbal")}
-    ]
+    angles = [name for name in named if {*ANGLES, "tilt"} & set(words_of(name))]
     return [name for name in angles if _tells(table, "gimbal", [name])]
 
 

@@ -2,9 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
 
-from horizon_dl.data.tables.columns import words_of
+from horizon_dl.data.tables.columns import UNIT_WORDS, words_of
 
 RATES = (
     *("gyroscope", "gyro", "gyr", "angular_velocity", "ang_vel", "angvel", "angular_rate", "ang_rate"),
@@ -21,8 +20,10 @@ MEANS_ANOTHER = {
     *("b", "bias", "std", "var", "cov", "covariance", "offset", "err", "error"),
 }
 AXES = {"x": 0, "y": 1, "z": 2, "0": 0, "1": 1, "2": 2}
-DEGREES, RADIANS = {"deg", "degs", "degree", "degrees", "dps"}, {"rad", "rads", "radian", "radians"}
-UNITS = {*DEGREES, *RADIANS, "m", "s", "s2", "ms2", "g", "1", "2", "mg", "mps2", "sec", "per", "second"}
+ANGLES = {**{word: unit for word, unit in UNIT_WORDS.items() if unit in ("rad", "deg")}, "dps": "deg"}
+IN_METRES = {"m", "ms2", "mps2"}
+UNITS = {*ANGLES, *IN_METRES, "s", "s2", "1", "2", "sec", "per", "second", "g", "mg"}
+"""Words that may stand behind an axis; any other one makes the column another thing."""
 OF_MESSAGE = ".angular_velocity."
 """Of ROS, which counts radians."""
 
@@ -36,13 +37,13 @@ class InertialColumns:
     Attributes:
         rates: of the gyroscope's x, y, z.
         forces: of the accelerometer's.
-        rate_unit: of the angle in the rates, where their names tell it.
+        rate_unit: of the angle in the rates, `rad` or `deg`, where their names tell it.
         in_metres: the forces' names say m/s^2.
     """
 
     rates: Triple
     forces: Triple
-    rate_unit: Literal["rad", "deg"] | None
+    rate_unit: str | None
     in_metres: bool
 
 
@@ -70,15 +71,13 @@ def inertial_columns(names: Sequence[str]) -> InertialColumns | None:
     if not pairs:
         return None
     rates, forces = pairs[0]
-    in_metres = bool({"m", "ms2", "mps2"} & set(words_of(forces[0])))
-    return InertialColumns(rates, forces, _rate_unit(rates[0]), in_metres)
+    return InertialColumns(rates, forces, _rate_unit(rates[0]), bool(IN_METRES & set(words_of(forces[0]))))
 
 
-def _rate_unit(name: str) -> Literal["rad", "deg"] | None:
-    words = set(words_of(name))
-    if words & DEGREES:
-        return "deg"
-    return "rad" if words & RADIANS or OF_MESSAGE in f".{name.lower()}" else None
+def _rate_unit(name: str) -> str | None:
+    """`rad` or `deg`, as a column's name has it."""
+    named = [ANGLES[word] for word in words_of(name) if word in ANGLES]
+    return named[0] if named else "rad" if OF_MESSAGE in f".{name.lower()}" else None
 
 
 def _triples(names: Sequence[str], stems: Sequence[str]) -> dict[str, Triple]:

@@ -35,7 +35,7 @@ def log_of_inertial(
         gimbal: the IMU hangs in one: in the mean it neither rolls nor pitches.
     """
     times_s, rates = gyro
-    forces = np.stack([np.interp(times_s, accelerometer[0], axis) for axis in accelerometer[1].T], axis=-1)
+    forces = at_times(times_s, accelerometer)
     rates, forces = rates @ frd_from_imu.T, forces @ frd_from_imu.T
     rates = rates - _bias(times_s, rates, forces, gimbal)
     angles = angles_of_ups(_ups(times_s, rates, forces))
@@ -43,6 +43,11 @@ def log_of_inertial(
     turning = (rates[:, 1] * np.sin(roll) + rates[:, 2] * np.cos(roll)) / np.maximum(np.cos(pitch), 0.1)
     angles[1:, 2] = np.cumsum((turning[1:] + turning[:-1]) / 2 * np.diff(times_s))
     return log_of_angles(times_s, angles)
+
+
+def at_times(times_s: Floats, accelerometer: tuple[Floats, Floats]) -> Floats:
+    """Forces (N, 3) at the times (N,) of a gyroscope, of an accelerometer's times (M,) and forces (M, 3)."""
+    return np.stack([np.interp(times_s, accelerometer[0], axis) for axis in accelerometer[1].T], axis=-1)
 
 
 def ups_of_inertial(times_s: Floats, rates: Floats, forces: Floats) -> Floats:
