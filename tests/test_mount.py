@@ -3,6 +3,7 @@
 import json
 import math
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from horizon_dl.geometry.attitude import (
 from horizon_dl.geometry.camera import Camera
 from horizon_dl.geometry.lines import LinePlanes, line_planes
 from horizon_dl.inspection.mount import corrected_mount, corrected_up, fit_mount
-from horizon_dl.inspection.mount_check import check_mount, is_sure
+from horizon_dl.inspection.mount_check import check_mount, is_sure, mount_lines
 from horizon_dl.readers.registry import open_recording
 from horizon_dl.simulation.embedded import embedded_set
 
@@ -136,6 +137,14 @@ def test_the_verb_finds_the_simulated_cameras_mount(tmp_path: Path, capsys: Any)
     assert "Nothing speaks against" in capsys.readouterr().out
 
 
+def test_of_a_format_that_states_no_mount_the_camera_is_turned(tmp_path: Path) -> None:
+    recording = open_recording(copy_of_the_embedded_set(tmp_path / "set", "[3.5, -12.0, 0.0]"))
+    check = check_mount(replace(recording, mount_rpy_rad=None))
+    assert check.is_off
+    assert "no file states a mount" in mount_lines(check)[-1]
+    assert "mount_rpy_deg" not in mount_lines(check)[-1]
+
+
 def test_images_without_edges_are_one_line(tmp_path: Path, capsys: Any) -> None:
     import make_sets
 
@@ -146,7 +155,7 @@ def test_images_without_edges_are_one_line(tmp_path: Path, capsys: Any) -> None:
 
 @pytest.mark.real_data
 def test_the_hallways_camera_looks_up(data_dir: Path) -> None:
-    check = check_mount(open_recording(data_dir / "hallway"), (0.0, 0.0, 0.0))
+    check = check_mount(open_recording(data_dir / "hallway"))
     # Vanishing points read off by hand lie 2.1 to 3.9 degrees below the stated horizon.
     assert 1.5 < math.degrees(check.fit.pitch.correction) < 3.5
     assert check.level_agrees
@@ -155,4 +164,4 @@ def test_the_hallways_camera_looks_up(data_dir: Path) -> None:
 @pytest.mark.real_data
 def test_what_the_images_cannot_tell_is_not_told(data_dir: Path) -> None:
     with pytest.raises(InputError, match="do not tell"):
-        check_mount(open_recording(data_dir / "euroc_sample"), (0.0, 0.0, 0.0))
+        check_mount(open_recording(data_dir / "euroc_sample"))

@@ -27,14 +27,15 @@ class Calibration:
     Attributes:
         camera: intrinsics of the upright image.
         rotate_quarter_turns_ccw: how the stored image is turned to be upright.
-        mount: roll, pitch, yaw (rad) of the camera in the body (FRD); or in an IMU whose axes are not stated.
+        mount: roll, pitch, yaw (rad) of the camera in the body (FRD); or in an IMU whose axes are not stated;
+            None: the camera itself is the body.
         notes: what was done that the user should know, a sentence each.
         imu_axes: of the IMU beside the camera, as flu, where they are stated.
     """
 
     camera: Camera
     rotate_quarter_turns_ccw: int = 0
-    mount: Mount | ImuMount = (0.0, 0.0, 0.0)
+    mount: Mount | ImuMount | None = (0.0, 0.0, 0.0)
     notes: tuple[str, ...] = ()
     imu_axes: str | None = None
 
@@ -43,7 +44,12 @@ class Calibration:
         """The mount; AxesNotStatedError where it cannot be known. Who needs the camera alone is not asked."""
         if isinstance(self.mount, ImuMount):
             raise self.mount.question()
-        return self.mount
+        return self.mount or (0.0, 0.0, 0.0)
+
+    @property
+    def known_mount(self) -> Mount | None:
+        """As `mount_rpy_rad`, None where the camera itself is the body: no file states a mount then."""
+        return None if self.mount is None else self.mount_rpy_rad
 
 
 def read_calibration(

@@ -41,11 +41,9 @@ def run(arguments: argparse.Namespace) -> dict[str, Any]:
         recording = recording.read_as(convention.option)
     found: dict[str, Any] = {"convention": convention.option if convention else "", "imu_axes": axes}
     try:
-        check = check_mount(recording, recording.mount_rpy_rad or (0.0, 0.0, 0.0), progress=True)
+        check = check_mount(recording, progress=True)
         says += mount_lines(check)
         found |= check.to_json()
-        if recording.mount_rpy_rad is None and check.is_off:
-            says.append("This format has no camera.yaml: turn the camera in its own calibration by them.")
     except InputError as error:
         if not any(found.values()):
             raise

@@ -17,6 +17,7 @@ SURE_RAD = math.radians(0.5)
 WORTH_RAD = math.radians(0.5)
 
 Mount = tuple[float, float, float]
+NO_MOUNT: Mount = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -25,24 +26,31 @@ class MountCheck:
 
     Attributes:
         name: of the recording.
-        stated_rpy_rad: the mount that the attitudes were used with; zeros where the format knows none.
+        stated_rpy_rad: the mount that the attitudes were used with; None where no file states one.
         fit: of the images.
     """
 
     name: str
-    stated_rpy_rad: Mount
+    stated_rpy_rad: Mount | None
     fit: MountFit
 
     @property
     def corrected_rpy_deg(self) -> list[float]:
         """The mount with those corrections that are sure and worth it, to a tenth of a degree."""
         roll, pitch = (one.correction if _is_off(one) else 0.0 for one in (self.fit.roll, self.fit.pitch))
-        right = corrected_mount(self.stated_rpy_rad, roll, pitch)
+        right = corrected_mount(self.stated_rpy_rad or NO_MOUNT, roll, pitch)
         return [round(math.degrees(angle), 1) + 0.0 for angle in right]
 
     def is_worth(self, angle: Angle, least_rad: float) -> bool:
         """Whether an angle is surely off by at least this much."""
         return _is_off(angle) and abs(angle.correction) >= least_rad
+
+    @property
+    def way_out(self) -> str:
+        """What to do about the corrections."""
+        if self.stated_rpy_rad is None:
+            return "no file states a mount: turn the camera by them in its own calibration"
+        return f"write mount_rpy_deg: [{', '.join(f'{angle:g}' for angle in self.corrected_rpy_deg)}]"
 
     @property
     def is_off(self) -> bool:
@@ -62,7 +70,7 @@ class MountCheck:
             "data": self.name,
             "frames": fit.frames,
             "edges": fit.edges,
-            "stated_rpy_deg": [math.degrees(angle) for angle in self.stated_rpy_rad],
+            "stated_rpy_deg": [math.degrees(angle) for angle in self.stated_rpy_rad or NO_MOUNT],
             "roll": _in_degrees(fit.roll),
             "pitch": _in_degrees(fit.pitch),
             "level_pitch_deg": None if fit.level_pitch is None else math.degrees(fit.level_pitch),
@@ -72,12 +80,11 @@ class MountCheck:
         }
 
 
-def check_mount(recording: Recording, stated_rpy_rad: Mount, *, progress: bool = False) -> MountCheck:
+def check_mount(recording: Recording, *, progress: bool = False) -> MountCheck:
     """Looks at up to 80 frames, evenly spread.
 
     Args:
         recording: with attitudes.
-        stated_rpy_rad: the mount that they were used with, zeros for unknown.
         progress: show a bar.
 
     Raises:
@@ -101,7 +108,7 @@ def check_mount(recording: Recording, stated_rpy_rad: Mount, *, progress: bool =
             "its images do not tell how the camera is mounted: too few upright edges, or they disagree",
             "record walls, doors or posts on both sides of the view, or measure the mount",
         )
-    return MountCheck(recording.name, stated_rpy_rad, fit)
+    return MountCheck(recording.name, recording.mount_rpy_rad, fit)
 
 
 def is_sure(angle: Angle) -> bool:
@@ -116,12 +123,7 @@ def mount_lines(check: MountCheck) -> list[str]:
     lines += [_said("roll", fit.roll), f"{_said('pitch', fit.pitch)}; {_level_said(check)}"]
     if not check.is_off:
         return [*lines, "Nothing speaks against the stated mount."]
-    values = ", ".join(f"{angle:g}" for angle in check.corrected_rpy_deg)
-    return [
-        *lines,
-        "The mount is off. To correct it, write into camera.yaml:",
-        f"  mount_rpy_deg: [{values}]",
-    ]
+    return [*lines, f"The mount is off. To correct it, {check.way_out}"]
 
 
 def _said(name: str, angle: Angle) -> str:

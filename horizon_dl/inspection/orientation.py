@@ -93,7 +93,7 @@ def check_orientation(recording: Recording, *, progress: bool = False) -> Orient
     found = check_convention(recording, progress=progress)
     try:
         right = recording.read_as(found.option) if found and found.option else recording
-        mount = check_mount(right, recording.mount_rpy_rad or (0.0, 0.0, 0.0), progress=progress)
+        mount = check_mount(right, progress=progress)
     except InputError:
         return found
     if found is None:

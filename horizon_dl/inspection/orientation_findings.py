@@ -37,10 +37,9 @@ def mount_finding(check: DataCheck) -> Iterator[Finding]:
     if not off:
         yield Finding("ok", "Upright edges stand upright: nothing speaks against the stated mount.")
         return
-    values = ", ".join(f"{angle:g}" for angle in mount.corrected_rpy_deg)
     yield Finding(
         "warning",
         f"By upright edges the camera is mounted otherwise than stated: {' and '.join(off)} degrees "
         "about its own axes.",
-        f"See calibrate-mount; if the calibration of the lens is right, write mount_rpy_deg: [{values}].",
+        f"See calibrate-mount; if the calibration of the lens is right, {mount.way_out}.",
     )

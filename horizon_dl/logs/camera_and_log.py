@@ -36,9 +36,10 @@ def camera_and_log(
     log = read_attitude(attitude, stated, OPTICAL_FROM_FRD.T @ calibration.mount.matrix.T)
     if not isinstance(log, AttitudeLog) or not log.of_imu:
         return calibration, log
+    names = f"{Path(attitude).name} is taken as the samples of the IMU that {calibration.mount.path.name}"
     taken = Doubt(
-        f"{attitude} is taken as the samples of the IMU that {calibration.mount.path.name} leads to; if it "
-        "is of another one, state its axes (--imu-axes) and the camera's mount in the body (mount_rpy_deg)"
+        f"{names} leads to; if it is of another one, state its axes (--imu-axes) and the camera's mount in "
+        "the body (mount_rpy_deg)"
     )
     log = replace(log, notes=(*log.notes, taken))
-    return replace(calibration, mount=(0.0, 0.0, 0.0)), log
+    return replace(calibration, mount=None), log

@@ -109,7 +109,7 @@ def film_recording(
         None if calibration is None else calibration.camera,
         headers,
         FilmLoader(path, tuple(stamps), 0 if calibration is None else calibration.rotate_quarter_turns_ccw),
-        None if calibration is None else calibration.mount_rpy_rad,
+        None if calibration is None else calibration.known_mount,
         notes if calibration is None else (*calibration.notes, *notes),
         reading=None if calibration is None else reading_with(Convention(), calibration.mount_rpy_rad),
         attitudes=moved,

@@ -94,7 +94,7 @@ def _with_log(path: Path, log: AttitudeLog, calibration: Calibration, given: Giv
             where=path,
             attitude_from="--attitude",
             rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
-            mount_rpy_rad=calibration.mount_rpy_rad,
+            mount_rpy_rad=calibration.known_mount,
             notes=(*calibration.notes, *of_list, *notes),
             reading=reading_with(Convention(), calibration.mount_rpy_rad),
             needs_attitude=not given.find_offset,

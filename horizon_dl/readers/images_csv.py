@@ -71,7 +71,7 @@ def read(folder: Path, given: Given = NOTHING_GIVEN) -> Recording:
         where=path,
         attitude_from=given.attitude or "the columns roll_rad and pitch_rad",
         rotate_quarter_turns_ccw=calibration.rotate_quarter_turns_ccw,
-        mount_rpy_rad=calibration.mount_rpy_rad,
+        mount_rpy_rad=calibration.known_mount,
         notes=(*calibration.notes, *notes, *more_notes),
         reading=reading_with(
             convention_of(columns) if given.attitude is None else Convention(), calibration.mount_rpy_rad

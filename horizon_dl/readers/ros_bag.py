@@ -72,9 +72,9 @@ def read(path: Path, given: Given = NOTHING_GIVEN) -> Recording:
     if calibration is not None and given.attitude is not None:
         names = [one.name for one in headers]
         calibration, log = camera_and_log(calibration, given.attitude, given)
-        mount = calibration.mount_rpy_rad
+        mount = calibration.known_mount
         headers, moved, said = headers_by_log(path, names, times[order].tolist(), calibration, log, given)
-        reading = reading_with(Convention(), mount)
+        reading = reading_with(Convention(), calibration.mount_rpy_rad)
         notes = (*notes, *said)
     elif calibration is not None:
         mount = calibration.mount_rpy_rad
